@@ -1,0 +1,38 @@
+//! The model of Freshet: what is simulated, as plain data and pure functions.
+//!
+//! A [`FluidScene`](scene::FluidScene) says what there is; [`Plan::new`](plan::Plan::new) turns it into stages with
+//! reasons; a solver ([`FluidSolver`](solver::FluidSolver), in `freshet_cpu` and `freshet_gpu`) executes the plan tick
+//! by tick. Nothing here knows an engine, a thread, a GPU or a file.
+
+pub mod emitter;
+pub mod equation_of_state;
+pub mod error;
+pub mod field;
+pub mod grid;
+pub mod kernel;
+pub mod material;
+pub mod plan;
+pub mod run;
+pub mod sampling;
+pub mod scene;
+pub mod scene_file;
+pub mod snapshot;
+pub mod solver;
+pub mod step;
+
+/// What most programs need.
+pub mod prelude {
+    pub use crate::emitter::Emitter;
+    pub use crate::equation_of_state::EquationOfState;
+    pub use crate::error::InvalidInput;
+    pub use crate::field::{Field, FieldData};
+    pub use crate::kernel::KernelKind;
+    pub use crate::material::Material;
+    pub use crate::plan::{Plan, SceneError, StageKind};
+    pub use crate::run::SceneRun;
+    pub use crate::scene::{Body, Boundary, BoundaryShape, FluidScene, Resolution, Settings, Shape, Support, Volume};
+    pub use crate::snapshot::Snapshot;
+    pub use crate::solver::{FluidSolver, Schedule, SolverError};
+    pub use crate::step::{BodyInput, Command, Impulse, NewParticles, StepInput, StepReport};
+    pub use glam::{Mat3, Quat, Vec3};
+}

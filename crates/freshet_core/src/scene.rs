@@ -1,0 +1,454 @@
+//! The scene: plain data that says what is simulated and how accurately. [`Plan::new`](crate::plan::Plan::new) turns
+//! it into what is executed.
+
+use glam::{Quat, Vec3};
+use serde::{Deserialize, Serialize};
+
+use crate::emitter::Emitter;
+use crate::equation_of_state::EquationOfState;
+use crate::error::{InvalidInput, check_finite, check_range};
+use crate::kernel::KernelKind;
+use crate::material::Material;
+
+/// A fluid, what holds it, what floats in it, and how it is to be simulated. SI units throughout.
+///
+/// ```
+/// use freshet_core::prelude::*;
+/// let scene = FluidScene {
+///     volumes: vec![Volume::block(Vec3::splat(0.5), Vec3::splat(0.5))],
+///     boundaries: vec![Boundary::open_box(Vec3::new(2.0, 1.5, 1.0), Vec3::new(1.0, 0.75, 0.5))],
+///     ..FluidScene::with_spacing(0.1)
+/// };
+/// println!("{}", Plan::new(&scene)?);
+/// # Ok::<(), SceneError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename = "FluidScene")]
+pub struct FluidScene {
+    /// Name, for reports.
+    #[serde(default)]
+    pub name: String,
+    /// How fine the fluid is sampled.
+    pub resolution: Resolution,
+    /// Gravity, m/s2; each component within 10,000.
+    #[serde(default = "standard_gravity")]
+    pub gravity: Vec3,
+    /// What the fluid is.
+    #[serde(default = "Material::water")]
+    pub material: Material,
+    /// Where the fluid starts. Volumes must not overlap.
+    #[serde(default)]
+    pub volumes: Vec<Volume>,
+    /// Where fluid flows in.
+    #[serde(default)]
+    pub emitters: Vec<Emitter>,
+    /// What holds the fluid and does not move.
+    #[serde(default)]
+    pub boundaries: Vec<Boundary>,
+    /// What the fluid pushes and is pushed by.
+    #[serde(default)]
+    pub bodies: Vec<Body>,
+    /// How it is simulated.
+    #[serde(default)]
+    pub settings: Settings,
+}
+
+fn standard_gravity() -> Vec3 {
+    Vec3::new(0.0, -9.81, 0.0)
+}
+
+impl FluidScene {
+    /// An empty scene of water under standard gravity with particles `spacing` metres apart.
+    pub fn with_spacing(spacing: f32) -> Self {
+        Self {
+            name: String::new(),
+            resolution: Resolution::Spacing(spacing),
+            gravity: standard_gravity(),
+            material: Material::water(),
+            volumes: Vec::new(),
+            emitters: Vec::new(),
+            boundaries: Vec::new(),
+            bodies: Vec::new(),
+            settings: Settings::default(),
+        }
+    }
+}
+
+/// How fine the fluid is sampled (P §4.1.4).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Resolution {
+    /// Distance of neighbouring particles at rest, m, 1e-4 to 100.
+    Spacing(f32),
+    /// About this many particles share the volumes, 1 to 64 Mi; the spacing follows.
+    Particles(u32),
+}
+
+/// A solid shape about its own centre.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Shape {
+    /// A box.
+    Box {
+        /// Half its edge lengths, m.
+        half_extents: Vec3,
+    },
+    /// A sphere.
+    Sphere {
+        /// Radius, m.
+        radius: f32,
+    },
+}
+
+/// Fluid at the start, on a cubic lattice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Volume {
+    /// Its shape.
+    pub shape: Shape,
+    /// Centre of the shape, m.
+    pub center: Vec3,
+    /// Orientation of shape and lattice.
+    #[serde(default)]
+    pub rotation: Quat,
+    /// Velocity at the start, m/s.
+    #[serde(default)]
+    pub velocity: Vec3,
+    /// Whether its particles start as dense as water standing in it would be: closer together with depth, by 0.1 % and less.
+    /// Without, a column starts with a bounce that rings for seconds.
+    #[serde(default = "yes")]
+    pub hydrostatic: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl Volume {
+    /// A block of fluid at rest.
+    pub fn block(half_extents: Vec3, center: Vec3) -> Self {
+        let shape = Shape::Box { half_extents };
+        Self { shape, center, rotation: Quat::IDENTITY, velocity: Vec3::ZERO, hydrostatic: true }
+    }
+
+    /// A ball of fluid at rest.
+    pub fn ball(radius: f32, center: Vec3) -> Self {
+        let shape = Shape::Sphere { radius };
+        Self { shape, center, rotation: Quat::IDENTITY, velocity: Vec3::ZERO, hydrostatic: true }
+    }
+
+    /// m3.
+    pub fn size(&self) -> f32 {
+        match self.shape {
+            Shape::Box { half_extents } => 8.0 * half_extents.x * half_extents.y * half_extents.z,
+            Shape::Sphere { radius } => 4.0 / 3.0 * std::f32::consts::PI * radius.powi(3),
+        }
+    }
+}
+
+/// A surface that holds fluid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum BoundaryShape {
+    /// A hollow box with the fluid inside.
+    Container {
+        /// Half the inner edge lengths, m.
+        half_extents: Vec3,
+        /// Which faces are missing: -x, +x, -y, +y, -z, +z.
+        #[serde(default)]
+        open: [bool; 6],
+    },
+    /// A solid box with the fluid outside.
+    Box {
+        /// Half its edge lengths, m.
+        half_extents: Vec3,
+    },
+    /// A rectangle with the fluid on the side the local +y axis points to.
+    Plane {
+        /// Half its edge lengths along the local x and z axes, m.
+        half_extents: [f32; 2],
+    },
+}
+
+/// A boundary that does not move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Boundary {
+    /// Its shape.
+    pub shape: BoundaryShape,
+    /// Centre of the shape, m.
+    pub center: Vec3,
+    /// Its orientation.
+    #[serde(default)]
+    pub rotation: Quat,
+}
+
+impl Boundary {
+    /// A container of inner size `size` without a lid.
+    pub fn open_box(size: Vec3, center: Vec3) -> Self {
+        let open = [false, false, false, true, false, false];
+        Self { shape: BoundaryShape::Container { half_extents: size / 2.0, open }, center, rotation: Quat::IDENTITY }
+    }
+
+    /// A container of inner size `size` with all six walls.
+    pub fn closed_box(size: Vec3, center: Vec3) -> Self {
+        let shape = BoundaryShape::Container { half_extents: size / 2.0, open: [false; 6] };
+        Self { shape, center, rotation: Quat::IDENTITY }
+    }
+}
+
+/// A rigid body as the fluid sees it: samples of its surface that move with it.
+///
+/// `freshet_rapier` makes these from rapier's shapes. Mass and inertia come with each tick's
+/// [`BodyInput`](crate::step::BodyInput), so that they may change.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// Name, for reports.
+    #[serde(default)]
+    pub name: String,
+    /// Surface samples relative to the centre of mass, m, at the depth of the scene's
+    /// [`WallLayer`](crate::sampling::wall_layer::WallLayer) inside the visible surface.
+    pub samples: Vec<Vec3>,
+}
+
+/// How wide the kernels reach (P §4.1.4, eq. 4.1).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Support {
+    /// Support radius over spacing, 1.5 to 4.
+    Ratio(f32),
+    /// Mean number of neighbours, 14 to 270; the radius follows.
+    Neighbours(f32),
+}
+
+/// How the scene is simulated. The defaults are the ones every chart and benchmark uses.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// Smoothing kernel.
+    pub kernel: KernelKind,
+    /// Reach of the kernel.
+    pub support: Support,
+    /// Pressure as a function of density, with its own speed of sound; none takes Tait's with [`sound_speed`](Self::sound_speed).
+    pub equation_of_state: Option<EquationOfState>,
+    /// Whether negative pressures are set to zero (E eq. 9), so that fluid does not pull at itself.
+    pub clamp_negative_pressure: bool,
+    /// Speed of sound, m/s, 1e-3 to 1e4; none takes ten times the expected speed. Not together with an equation of state.
+    pub sound_speed: Option<f32>,
+    /// Largest speed the flow is expected to reach, m/s, 1e-4 to 1e4; none derives it from heights, velocities and emitters.
+    pub expected_speed: Option<f32>,
+    /// Allows a sound speed below ten times the expected speed; plan and statistics then say so.
+    pub allow_compressible: bool,
+    /// Monaghan's artificial viscosity alpha, 0 to 1; zero takes it out of the plan.
+    pub artificial_viscosity: f32,
+    /// Substep over `h / (c + v)`, 0.01 to 1.
+    pub courant_factor: f32,
+    /// Substep over `sqrt(h / a)`, 0.01 to 1.
+    pub force_factor: f32,
+    /// Substep over `h^2 / nu`, 0.01 to 1.
+    pub viscous_factor: f32,
+    /// Most substeps in one tick, 1 to 100,000; what is left of the tick is carried to the next.
+    pub max_substeps: u32,
+    /// Wall time a tick may take, ms; past it simulated time slows down. None: no limit.
+    pub budget_milliseconds: Option<f32>,
+    /// Most particles there may ever be, 1 to 64 Mi; none: the start's, plus what the emitters can have alive.
+    pub max_particles: Option<u32>,
+    /// Where particles may be: lower and upper corner, m; outside they are removed. None: four times the scene's size
+    /// around it.
+    pub bounds: Option<(Vec3, Vec3)>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            kernel: KernelKind::WendlandC2,
+            support: Support::Ratio(2.0),
+            equation_of_state: None,
+            clamp_negative_pressure: true,
+            sound_speed: None,
+            expected_speed: None,
+            allow_compressible: false,
+            artificial_viscosity: 0.05,
+            courant_factor: 0.4,
+            force_factor: 0.25,
+            viscous_factor: 0.125,
+            max_substeps: 10_000,
+            budget_milliseconds: None,
+            max_particles: None,
+            bounds: None,
+        }
+    }
+}
+
+/// Smallest distance of neighbouring particles, m.
+pub const MIN_SPACING: f32 = 1e-4;
+/// Largest distance of neighbouring particles, m.
+pub const MAX_SPACING: f32 = 100.0;
+/// Most particles or samples of one scene.
+pub const MAX_PARTICLES: u32 = 64 << 20;
+
+impl Settings {
+    fn validate(&self) -> Result<(), InvalidInput> {
+        match self.support {
+            Support::Ratio(ratio) => check_range("support", ratio, 1.5, 4.0, "spacings")?,
+            Support::Neighbours(count) => check_range("support", count, 14.0, 270.0, "neighbours")?,
+        }
+        if let Some(equation) = &self.equation_of_state {
+            equation.validate().map_err(|error| error.inside("equation_of_state"))?;
+        }
+        if let Some(speed) = self.sound_speed {
+            check_range("sound_speed", speed, 1e-3, 1e4, "m/s")?;
+            if self.equation_of_state.is_some() {
+                return Err(InvalidInput::new("sound_speed", speed, "none, as settings.equation_of_state has its own"));
+            }
+        }
+        if let Some(speed) = self.expected_speed {
+            check_range("expected_speed", speed, 1e-4, 1e4, "m/s")?;
+        }
+        check_range("artificial_viscosity", self.artificial_viscosity, 0.0, 1.0, "")?;
+        check_range("courant_factor", self.courant_factor, 0.01, 1.0, "")?;
+        check_range("force_factor", self.force_factor, 0.01, 1.0, "")?;
+        check_range("viscous_factor", self.viscous_factor, 0.01, 1.0, "")?;
+        if !(1..=100_000).contains(&self.max_substeps) {
+            return Err(InvalidInput::new("max_substeps", self.max_substeps, "1 to 100000"));
+        }
+        if let Some(budget) = self.budget_milliseconds {
+            check_range("budget_milliseconds", budget, 0.01, 1e6, "ms")?;
+        }
+        if let Some(count) = self.max_particles
+            && !(1..=MAX_PARTICLES).contains(&count)
+        {
+            return Err(InvalidInput::new("max_particles", count, format_args!("1 to {MAX_PARTICLES}")));
+        }
+        if let Some((min, max)) = self.bounds {
+            check_finite("bounds", min)?;
+            check_finite("bounds", max)?;
+            if !min.cmplt(max).all() {
+                return Err(InvalidInput::new(
+                    "bounds",
+                    format_args!("{min} {max}"),
+                    "the first corner below the second",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Distance from the origin up to which positions are accepted, m.
+const REACH: f32 = 1e6;
+
+/// Checks that a position is finite and not absurdly far away.
+pub(crate) fn check_position(field: &str, position: Vec3) -> Result<(), InvalidInput> {
+    if !position.is_finite() || position.abs().max_element() > REACH {
+        return Err(InvalidInput::new(field, position, format_args!("within {REACH} m of the origin")));
+    }
+    Ok(())
+}
+
+pub(crate) fn check_gravity(gravity: Vec3) -> Result<(), InvalidInput> {
+    for value in gravity.to_array() {
+        check_range("gravity", value, -1e4, 1e4, "m/s2")?;
+    }
+    Ok(())
+}
+
+fn check_pose(center: Vec3, rotation: Quat) -> Result<(), InvalidInput> {
+    check_position("center", center)?;
+    if !rotation.is_finite() || !rotation.is_normalized() {
+        return Err(InvalidInput::new("rotation", rotation, "a unit quaternion"));
+    }
+    Ok(())
+}
+
+fn check_half_extents(half_extents: Vec3) -> Result<(), InvalidInput> {
+    for value in half_extents.to_array() {
+        check_range("half_extents", value, 1e-5, REACH, "m")?;
+    }
+    Ok(())
+}
+
+impl FluidScene {
+    /// Checks every number on its own. What needs sampling (overlap, spacing against volume) is checked by the plan.
+    pub fn validate(&self) -> Result<(), InvalidInput> {
+        match self.resolution {
+            Resolution::Spacing(spacing) => check_range("resolution", spacing, MIN_SPACING, MAX_SPACING, "m")?,
+            Resolution::Particles(count) if (1..=MAX_PARTICLES).contains(&count) => {
+                if self.volumes.is_empty() {
+                    return Err(InvalidInput::new(
+                        "resolution",
+                        format_args!("{count} particles"),
+                        "a spacing, as there is no volume to share",
+                    ));
+                }
+            }
+            Resolution::Particles(count) => {
+                return Err(InvalidInput::new("resolution", count, format_args!("1 to {MAX_PARTICLES} particles")));
+            }
+        }
+        check_gravity(self.gravity)?;
+        self.material.validate().map_err(|error| error.inside("material"))?;
+        for (index, volume) in self.volumes.iter().enumerate() {
+            volume.validate().map_err(|error| error.inside(format_args!("volumes[{index}]")))?;
+        }
+        for (index, emitter) in self.emitters.iter().enumerate() {
+            emitter.validate().map_err(|error| error.inside(format_args!("emitters[{index}]")))?;
+        }
+        for (index, boundary) in self.boundaries.iter().enumerate() {
+            boundary.validate().map_err(|error| error.inside(format_args!("boundaries[{index}]")))?;
+        }
+        for (index, body) in self.bodies.iter().enumerate() {
+            body.validate().map_err(|error| error.inside(format_args!("bodies[{index}]")))?;
+        }
+        self.settings.validate().map_err(|error| error.inside("settings"))
+    }
+}
+
+impl Volume {
+    fn validate(&self) -> Result<(), InvalidInput> {
+        match self.shape {
+            Shape::Box { half_extents } => check_half_extents(half_extents).map_err(|error| error.inside("shape"))?,
+            Shape::Sphere { radius } => check_range("shape.radius", radius, 1e-5, REACH, "m")?,
+        }
+        check_pose(self.center, self.rotation)?;
+        for value in self.velocity.to_array() {
+            check_range("velocity", value, -1e4, 1e4, "m/s")?;
+        }
+        Ok(())
+    }
+}
+
+impl Boundary {
+    /// Checks every number.
+    pub fn validate(&self) -> Result<(), InvalidInput> {
+        match self.shape {
+            BoundaryShape::Container { half_extents, open } => {
+                check_half_extents(half_extents).map_err(|error| error.inside("shape"))?;
+                if open == [true; 6] {
+                    return Err(InvalidInput::new("shape.open", "six times true", "at least one false"));
+                }
+            }
+            BoundaryShape::Box { half_extents } => {
+                check_half_extents(half_extents).map_err(|error| error.inside("shape"))?;
+            }
+            BoundaryShape::Plane { half_extents } => {
+                for value in half_extents {
+                    check_range("shape.half_extents", value, 1e-5, REACH, "m")?;
+                }
+            }
+        }
+        check_pose(self.center, self.rotation)
+    }
+}
+
+impl Body {
+    fn validate(&self) -> Result<(), InvalidInput> {
+        if self.samples.is_empty() {
+            return Err(InvalidInput::new("samples", "none", "at least one"));
+        }
+        for (index, &sample) in self.samples.iter().enumerate() {
+            check_position("sample", sample)
+                .map_err(|error| InvalidInput { field: format!("samples[{index}]"), ..error })?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,139 @@
+//! The state of a fluid as plain data: save, load, send.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{InvalidInput, check_finite, check_range};
+use crate::step::{Impulse, StepInput};
+
+/// The state a solver starts from and can return to.
+///
+/// Particles are in the order of their ids.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    /// Ticks made.
+    pub tick: u64,
+    /// Simulated time, s.
+    pub time: f64,
+    /// Time asked for but not covered yet, s.
+    pub carry: f32,
+    /// The id the next particle gets.
+    pub next_id: u32,
+    /// Gravity, m/s2.
+    pub gravity: Vec3,
+    /// Ids.
+    pub ids: Vec<u32>,
+    /// Positions, m.
+    pub positions: Vec<Vec3>,
+    /// Velocities, m/s.
+    pub velocities: Vec<Vec3>,
+    /// Remaining lifetimes, s.
+    pub remaining_lives: Vec<f32>,
+    /// For each body, the impulses of ticks its engine may not have heard of yet.
+    pub exchanges: Vec<[Exchange; 4]>,
+}
+
+/// What passed between the fluid and a body in one tick, and what the body's engine forecast of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Exchange {
+    /// Number of the tick plus one; zero for none.
+    pub tick_plus_one: u64,
+    /// The true impulse minus the forecast.
+    pub error: Impulse,
+}
+
+/// Why a snapshot could not be read or used.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SnapshotError {
+    /// The bytes do not begin as a snapshot does.
+    #[error("not a Freshet snapshot: the file begins with {found:?} instead of {expected:?}")]
+    NotASnapshot {
+        /// The first bytes.
+        found: Vec<u8>,
+        /// What a snapshot begins with.
+        expected: &'static [u8],
+    },
+    /// The bytes end early or hold something else.
+    #[error("damaged snapshot: {0}")]
+    Damaged(String),
+    /// The arrays have different lengths, or a value is not finite.
+    #[error(transparent)]
+    Invalid(#[from] InvalidInput),
+}
+
+/// First bytes of a saved snapshot; the last is the version of the format.
+const MAGIC: &[u8] = b"FRESHET\x01";
+
+impl Snapshot {
+    /// The snapshot as bytes: eight bytes of magic and version, then postcard.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, SnapshotError> {
+        let body = postcard::to_stdvec(self).map_err(|error| SnapshotError::Damaged(error.to_string()))?;
+        Ok([MAGIC, &body].concat())
+    }
+
+    /// Reads what [`to_bytes`](Self::to_bytes) wrote, and checks it.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
+        let Some(body) = bytes.strip_prefix(MAGIC) else {
+            let found = bytes[..bytes.len().min(MAGIC.len())].to_vec();
+            return Err(SnapshotError::NotASnapshot { found, expected: MAGIC });
+        };
+        let (snapshot, rest): (Self, _) =
+            postcard::take_from_bytes(body).map_err(|error| SnapshotError::Damaged(error.to_string()))?;
+        if !rest.is_empty() {
+            return Err(SnapshotError::Damaged(format!("{} bytes too many at its end", rest.len())));
+        }
+        snapshot.validate()?;
+        Ok(snapshot)
+    }
+
+    /// Checks lengths and numbers.
+    pub fn validate(&self) -> Result<(), SnapshotError> {
+        if !(self.time.is_finite() && self.time >= 0.0) {
+            return Err(InvalidInput::new("time", self.time, "0 s or more").into());
+        }
+        check_range("carry", self.carry, 0.0, StepInput::MAX_DURATION, "s")?;
+        check_finite("gravity", self.gravity)?;
+        let count = self.ids.len();
+        for (field, len) in [
+            ("positions", self.positions.len()),
+            ("velocities", self.velocities.len()),
+            ("remaining_lives", self.remaining_lives.len()),
+        ] {
+            if len != count {
+                return Err(InvalidInput::new(field, len, format_args!("{count}, one for each id")).into());
+            }
+        }
+        for (field, values) in [("positions", &self.positions), ("velocities", &self.velocities)] {
+            if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+                return Err(InvalidInput::new(format_args!("{field}[{index}]"), values[index], "finite numbers").into());
+            }
+        }
+        if let Some(index) = self.remaining_lives.iter().position(|life| life.is_nan()) {
+            return Err(InvalidInput::new(format_args!("remaining_lives[{index}]"), f32::NAN, "a number").into());
+        }
+        for (index, exchange) in self.exchanges.iter().flatten().enumerate() {
+            if !exchange.error.linear.is_finite() || !exchange.error.angular.is_finite() {
+                let field = format!("exchanges[{}][{}].error", index / 4, index % 4);
+                return Err(InvalidInput::new(field, format_args!("{:?}", exchange.error), "finite numbers").into());
+            }
+        }
+        if let Some(index) = self.ids.windows(2).position(|pair| pair[0] >= pair[1]) {
+            return Err(InvalidInput::new(
+                format_args!("ids[{}]", index + 1),
+                self.ids[index + 1],
+                format_args!("more than the one before, {}", self.ids[index]),
+            )
+            .into());
+        }
+        if let Some(index) = self.ids.iter().position(|&id| id >= self.next_id) {
+            return Err(InvalidInput::new(
+                format_args!("ids[{index}]"),
+                self.ids[index],
+                format_args!("less than next_id = {}", self.next_id),
+            )
+            .into());
+        }
+        Ok(())
+    }
+}

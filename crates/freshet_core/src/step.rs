@@ -1,0 +1,251 @@
+//! What goes into a tick and what comes out of it: plain data, so that it can be recorded, replayed and sent.
+
+use glam::{Mat3, Quat, Vec3};
+use serde::{Deserialize, Serialize};
+
+use crate::error::{InvalidInput, check_finite, check_range};
+use crate::scene::check_gravity;
+
+/// Everything a solver is told about one tick.
+///
+/// A [`Snapshot`](crate::snapshot::Snapshot) plus the stream of these is a full record of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepInput {
+    /// Number of the tick; each is one more than the last.
+    pub tick: u64,
+    /// Time to cover, s, 0 to 1. The solver chooses the substeps.
+    pub duration: f32,
+    /// State of each body of the plan, in the plan's order.
+    #[serde(default)]
+    pub bodies: Vec<BodyInput>,
+    /// Changes to carry out before the first substep, in order.
+    #[serde(default)]
+    pub commands: Vec<Command>,
+}
+
+impl StepInput {
+    /// Longest duration of one tick, s; a longer hitch is several ticks.
+    pub const MAX_DURATION: f32 = 1.0;
+
+    /// Checks every number; `bodies` is the plan's number of bodies.
+    pub fn validate(&self, bodies: usize) -> Result<(), InvalidInput> {
+        check_range("duration", self.duration, 0.0, Self::MAX_DURATION, "s")?;
+        if self.bodies.len() != bodies {
+            return Err(InvalidInput::new(
+                "bodies",
+                self.bodies.len(),
+                format_args!("{bodies}, one for each of the plan"),
+            ));
+        }
+        for (index, body) in self.bodies.iter().enumerate() {
+            body.validate().map_err(|error| error.inside(format_args!("bodies[{index}]")))?;
+        }
+        for (index, command) in self.commands.iter().enumerate() {
+            command.validate().map_err(|error| error.inside(format_args!("commands[{index}]")))?;
+        }
+        Ok(())
+    }
+}
+
+/// A change to the fluid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Command {
+    /// Adds particles; they get the next free ids in the order given.
+    Spawn(NewParticles),
+    /// Removes the particles whose id is in `first .. first + count`.
+    RemoveIds {
+        /// First id.
+        first: u32,
+        /// How many ids.
+        count: u32,
+    },
+    /// Removes the particles in an axis-aligned box.
+    RemoveInBox {
+        /// Lower corner, m.
+        min: Vec3,
+        /// Upper corner, m.
+        max: Vec3,
+    },
+    /// Sets the gravity from here on, m/s2.
+    SetGravity(Vec3),
+}
+
+impl Command {
+    fn validate(&self) -> Result<(), InvalidInput> {
+        match self {
+            Command::Spawn(particles) => particles.validate(),
+            Command::RemoveIds { .. } => Ok(()),
+            Command::RemoveInBox { min, max } => check_finite("min", *min).and(check_finite("max", *max)),
+            Command::SetGravity(gravity) => check_gravity(*gravity),
+        }
+    }
+}
+
+/// Particles to add.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NewParticles {
+    /// Positions, m.
+    pub positions: Vec<Vec3>,
+    /// Velocities, m/s, one for each position.
+    pub velocities: Vec<Vec3>,
+    /// Time after which each is retired, s; infinite means never.
+    #[serde(default = "forever")]
+    pub lifetime: f32,
+}
+
+fn forever() -> f32 {
+    f32::INFINITY
+}
+
+impl NewParticles {
+    fn validate(&self) -> Result<(), InvalidInput> {
+        if self.velocities.len() != self.positions.len() {
+            return Err(InvalidInput::new(
+                "velocities",
+                self.velocities.len(),
+                format_args!("{}, one for each position", self.positions.len()),
+            ));
+        }
+        if self.lifetime.is_nan() || self.lifetime <= 0.0 {
+            return Err(InvalidInput::new("lifetime", self.lifetime, "more than 0 s, infinite for ever"));
+        }
+        for (field, values) in [("positions", &self.positions), ("velocities", &self.velocities)] {
+            if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+                return Err(InvalidInput::new(format_args!("{field}[{index}]"), values[index], "finite numbers"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Momentum and angular momentum about the body's centre of mass, both in world axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Impulse {
+    /// N s.
+    pub linear: Vec3,
+    /// N m s.
+    pub angular: Vec3,
+}
+
+impl std::ops::Add for Impulse {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { linear: self.linear + other.linear, angular: self.angular + other.angular }
+    }
+}
+
+impl std::ops::Sub for Impulse {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self { linear: self.linear - other.linear, angular: self.angular - other.angular }
+    }
+}
+
+/// A body at the start of a tick, as its engine knows it.
+///
+/// An engine that hears of the fluid's impulses late gives what it forecast ([`forecast`](Self::forecast)) and up to
+/// where it has been corrected ([`corrected_before`](Self::corrected_before)); the solver adds the difference for the
+/// ticks in between, which it remembers, so that the fluid always meets the body where it really is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyInput {
+    /// Centre of mass, m, world.
+    pub position: Vec3,
+    /// Orientation of the frame in which the plan's samples are given.
+    pub rotation: Quat,
+    /// Velocity of the centre of mass, m/s.
+    pub linear_velocity: Vec3,
+    /// Angular velocity, rad/s, world axes.
+    pub angular_velocity: Vec3,
+    /// 1/mass, 1/kg; zero for a body the fluid cannot move.
+    pub inverse_mass: f32,
+    /// Inverse inertia tensor in world axes, 1/(kg m2); zero for a body the fluid cannot turn.
+    pub inverse_inertia: Mat3,
+    /// Acceleration from everything but the fluid (gravity, mostly), m/s2.
+    pub acceleration: Vec3,
+    /// Impulse the engine applies to the body in this tick on the fluid's behalf.
+    pub forecast: Impulse,
+    /// The engine has heard the true impulses of all ticks before this one and has been corrected for them.
+    pub corrected_before: u64,
+    /// Whether displacements are corrected too (a body without contact or joint).
+    pub free: bool,
+}
+
+impl Default for BodyInput {
+    fn default() -> Self {
+        Self {
+            position: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
+            linear_velocity: Vec3::ZERO,
+            angular_velocity: Vec3::ZERO,
+            inverse_mass: 0.0,
+            inverse_inertia: Mat3::ZERO,
+            acceleration: Vec3::ZERO,
+            forecast: Impulse::default(),
+            corrected_before: u64::MAX,
+            free: true,
+        }
+    }
+}
+
+impl BodyInput {
+    fn validate(&self) -> Result<(), InvalidInput> {
+        check_finite("position", self.position)?;
+        check_finite("linear_velocity", self.linear_velocity)?;
+        check_finite("angular_velocity", self.angular_velocity)?;
+        check_finite("acceleration", self.acceleration)?;
+        check_finite("forecast.linear", self.forecast.linear)?;
+        check_finite("forecast.angular", self.forecast.angular)?;
+        if !self.rotation.is_finite() || !self.rotation.is_normalized() {
+            return Err(InvalidInput::new("rotation", self.rotation, "a unit quaternion"));
+        }
+        if !self.inverse_inertia.is_finite() {
+            return Err(InvalidInput::new("inverse_inertia", self.inverse_inertia, "finite numbers"));
+        }
+        check_range("inverse_mass", self.inverse_mass, 0.0, f32::MAX, "1/kg")
+    }
+}
+
+/// What one pass cost in one tick.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PassTime {
+    /// Name of the pass, the same as in the schedule.
+    pub pass: String,
+    /// Sum over the tick's substeps, ms.
+    pub milliseconds: f32,
+}
+
+/// What a solver says of one finished tick.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepReport {
+    /// Number of the tick.
+    pub tick: u64,
+    /// Live particles after the tick.
+    pub particles: u32,
+    /// Substeps made.
+    pub substeps: u32,
+    /// Smallest substep, s; zero if none was made.
+    pub smallest_substep: f32,
+    /// Time covered, s. Less than asked for if the budget ran out.
+    pub simulated: f64,
+    /// Time covered over time asked for, including what earlier ticks left over; 1 when real time is kept.
+    pub time_scale: f32,
+    /// Mean over particles of `max(density / rest_density - 1, 0)`; the largest of the tick's substeps.
+    pub mean_compression: f32,
+    /// Largest `density / rest_density - 1` of any particle in the tick.
+    pub max_compression: f32,
+    /// Largest speed in the last substep, m/s.
+    pub max_speed: f32,
+    /// Particles removed in this tick because they left the bounds or were not finite.
+    pub removed: u32,
+    /// Particles retired in this tick because their lifetime was over or a command said so.
+    pub retired: u32,
+    /// Particles not spawned in this tick because the capacity was reached.
+    pub refused: u32,
+    /// Impulse of the fluid on each body over the tick, in the plan's order.
+    pub bodies: Vec<Impulse>,
+    /// Cost of each pass, where it was measured.
+    pub passes: Vec<PassTime>,
+}

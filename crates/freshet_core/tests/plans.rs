@@ -1,0 +1,416 @@
+//! Plans: what is executed and why, the numbers, and what is refused.
+
+use freshet_core::field::FieldOrigin;
+use freshet_core::grid::Grid;
+use freshet_core::plan::{Parameters, Plan, StageKind};
+use freshet_core::prelude::*;
+use freshet_core::scene::MAX_PARTICLES;
+use glam::IVec3;
+
+/// A column of a cubic metre in a tank of 4 x 2 x 1 m.
+fn dam_break() -> FluidScene {
+    FluidScene {
+        name: "dam break".to_owned(),
+        volumes: vec![Volume::block(Vec3::splat(0.5), Vec3::splat(0.5))],
+        boundaries: vec![Boundary::open_box(Vec3::new(4.0, 2.0, 1.0), Vec3::new(2.0, 1.0, 0.5))],
+        ..FluidScene::with_spacing(0.1)
+    }
+}
+
+fn cork() -> Body {
+    Body { name: "cork".to_owned(), samples: vec![Vec3::X * 0.1, Vec3::NEG_X * 0.1] }
+}
+
+fn kinds(plan: &Plan) -> Vec<StageKind> {
+    plan.stages.iter().map(|stage| stage.kind).collect()
+}
+
+fn reason(plan: &Plan, kind: StageKind) -> &str {
+    &plan.stages.iter().find(|stage| stage.kind == kind).unwrap().reason
+}
+
+fn refused(scene: &FluidScene) -> String {
+    Plan::new(scene).unwrap_err().to_string()
+}
+
+fn near(a: f32, b: f64) -> bool {
+    (f64::from(a) / b - 1.0).abs() < 1e-5
+}
+
+#[test]
+fn without_bodies_there_is_no_stage_for_them() {
+    use StageKind::{Acceleration, BodyLoad, BodyMotion, BodySort, Density, Integrate, Sort, StepControl};
+    let plan = Plan::new(&dam_break()).unwrap();
+    assert_eq!(kinds(&plan), [Sort, Density, Acceleration, StepControl, Integrate]);
+    assert!(!plan.has(BodyLoad) && plan.body_samples() == 0);
+    let with = Plan::new(&FluidScene { bodies: vec![cork(), cork()], ..dam_break() }).unwrap();
+    let all = [Sort, BodySort, Density, Acceleration, BodyLoad, StepControl, BodyMotion, Integrate];
+    assert_eq!(kinds(&with), all);
+    assert_eq!(with.body_samples(), 4);
+    assert!(with.bodies.iter().all(|body| body.volumes.len() == 2 && body.volumes.iter().all(|&volume| volume > 0.0)));
+}
+
+#[test]
+fn every_stage_has_a_reason_that_fits_the_scene() {
+    let plan = Plan::new(&FluidScene { bodies: vec![cork()], ..dam_break() }).unwrap();
+    assert!(plan.stages.iter().all(|stage| stage.reason.len() > 10));
+    assert!(reason(&plan, StageKind::Density).contains("fluid, walls and bodies"));
+    assert!(reason(&plan, StageKind::Acceleration).contains("artificial viscosity"));
+
+    let mut inviscid = FluidScene { boundaries: Vec::new(), ..dam_break() };
+    inviscid.settings.artificial_viscosity = 0.0;
+    let plan = Plan::new(&inviscid).unwrap();
+    assert!(reason(&plan, StageKind::Density).contains("fluid only"));
+    assert_eq!(reason(&plan, StageKind::Acceleration), "pressure and gravity; settings.artificial_viscosity is 0");
+}
+
+#[test]
+fn a_field_of_a_stage_is_offered_once_and_only_with_the_stage() {
+    let plan = Plan::new(&dam_break()).unwrap();
+    for (index, field) in plan.fields.iter().enumerate() {
+        assert!(!plan.fields[..index].contains(field), "{}", field.name());
+        let writer = match field {
+            Field::Density | Field::Pressure => Some(StageKind::Density),
+            Field::Acceleration => Some(StageKind::Acceleration),
+            _ => None,
+        };
+        assert_eq!(writer.is_some(), field.origin() == FieldOrigin::Stage);
+        assert!(writer.is_none_or(|kind| plan.has(kind)), "{}", field.name());
+    }
+}
+
+#[test]
+fn the_printed_plan_holds_stages_reasons_and_numbers() {
+    let plan = Plan::new(&FluidScene { bodies: vec![cork()], ..dam_break() }).unwrap();
+    let text = plan.to_string();
+    let mut from = 0;
+    for stage in &plan.stages {
+        let line = text[from..].find(&format!("stage {}", stage.kind.name())).expect("in order") + from;
+        assert!(text[line..].lines().next().unwrap().ends_with(&stage.reason));
+        from = line + 1;
+    }
+    for part in [
+        "plan of dam break\n",
+        "1000 particles of 1.0000e0 kg at the start, at most 1000; spacing 0.1 m, wendland_c2 kernel of support 0.2 m",
+        "1 bodies with 2 samples",
+        "tait with sound speed 62.642 m/s, clamped at zero; alpha 0.05; step factors 0.4 0.25 0.125",
+        "expected speed 6.264 m/s: 2 sqrt(g D) of a column D = 1.0000 m deep",
+        &format!("{} wall samples", plan.boundary.positions.len()),
+        &format!(
+            "wrapped grid of {} x {} x {} cells",
+            plan.grid.dimensions().x,
+            plan.grid.dimensions().y,
+            plan.grid.dimensions().z
+        ),
+    ] {
+        assert!(text.contains(part), "{part:?} is missing in:\n{text}");
+    }
+}
+
+#[test]
+fn the_numbers_of_a_dam_break() {
+    let plan = Plan::new(&dam_break()).unwrap();
+    let p = &plan.parameters;
+    assert_eq!((plan.positions.len(), plan.volume_ids.as_slice(), plan.max_particles), (1000, &[(0, 1000)][..], 1000));
+    assert!(near(p.particle_mass, 1.0) && near(p.support_radius, 0.2) && near(p.smoothing_length, 0.1));
+    let speed = 2.0 * 9.81f64.sqrt();
+    assert!(near(p.expected_speed, speed) && near(p.sound_speed, 10.0 * speed), "{}", p.expected_speed);
+    assert_eq!(p.pressure_law.equation, EquationOfState::Tait { sound_speed: p.sound_speed, exponent: 7.0 });
+    let kernel = p.kernel().unwrap();
+    assert_eq!(p.density_calibration, kernel.lattice_sum(0.1) as f32);
+    assert_eq!(p.gradient_calibration, kernel.lattice_gradient_sum(0.1) as f32);
+    assert!(plan.boundary.positions.len() == plan.boundary.volumes.len() && plan.boundary.positions.len() > 1000);
+    for (particle, sample) in plan.positions.iter().zip(&plan.boundary.positions) {
+        assert!(particle.cmpgt(p.bounds_min).all() && particle.cmplt(p.bounds_max).all());
+        assert!(sample.cmpgt(p.bounds_min).all() && sample.cmplt(p.bounds_max).all());
+    }
+    // The fluid touches the faces, the samples lie behind them.
+    let apart = 0.5 * p.spacing + p.boundary_depth;
+    let nearest = plan.boundary.positions.iter().flat_map(|a| plan.positions.iter().map(|b| a.distance(*b)));
+    let nearest = nearest.fold(f32::INFINITY, f32::min);
+    // Straight behind a particle there need not be a sample: up to half a spacing aside in both directions. The start is
+    // hydrostatic, which brings the lowest layer a few thousandths of a spacing nearer.
+    let aside = (apart * apart + 0.5 * p.spacing * p.spacing).sqrt();
+    assert!(nearest > apart - 0.003 * p.spacing && nearest < aside, "{nearest}, not {apart} to {aside}");
+}
+
+#[test]
+fn the_expected_speed_is_that_of_the_fastest_thing() {
+    let speed = |scene: &FluidScene| Plan::new(scene).unwrap().parameters.expected_speed;
+    let mut scene = dam_break();
+    scene.settings.expected_speed = Some(3.0);
+    assert_eq!(speed(&scene), 3.0);
+    scene.settings.expected_speed = None;
+
+    // Gravity along another axis, of another size: D is the extent along it, 0.5 m.
+    scene.gravity = Vec3::new(-2.0, 0.0, 0.0);
+    scene.volumes[0] = Volume::block(Vec3::new(0.25, 0.5, 0.5), Vec3::new(0.25, 0.5, 0.5));
+    assert!(near(speed(&scene), 2.0));
+
+    // A block that starts at 20 m/s, its highest particles 1.95 m above the floor.
+    scene = dam_break();
+    scene.volumes =
+        vec![Volume { velocity: Vec3::X * 20.0, ..Volume::block(Vec3::splat(0.2), Vec3::new(2.0, 1.8, 0.5)) }];
+    assert!(near(speed(&scene), (400.0f64 + 2.0 * 9.81 * 1.95).sqrt()));
+
+    // Nothing at all moves it.
+    scene = FluidScene { gravity: Vec3::ZERO, ..dam_break() };
+    assert!(speed(&scene) > 0.0 && speed(&scene) <= 0.01);
+    assert!(Plan::new(&FluidScene::with_spacing(0.1)).unwrap().positions.is_empty());
+}
+
+#[test]
+fn resolution_and_support_by_number() {
+    let particles = Plan::new(&FluidScene { resolution: Resolution::Particles(8000), ..dam_break() }).unwrap();
+    assert!(near(particles.parameters.spacing, 0.05));
+    assert_eq!(particles.positions.len(), 8000);
+
+    let mut scene = dam_break();
+    scene.settings.support = Support::Neighbours(30.0);
+    let radius = f64::from(Plan::new(&scene).unwrap().parameters.support_radius);
+    assert!((4.0 / 3.0 * std::f64::consts::PI * (radius / 0.1).powi(3) - 30.0).abs() < 1e-3);
+    scene.settings.support = Support::Ratio(2.5);
+    assert!(near(Plan::new(&scene).unwrap().parameters.support_radius, 0.25));
+
+    // Shared by so small and so large a volume, spacings out of range would come out.
+    let mut tiny = FluidScene { resolution: Resolution::Particles(1 << 20), ..dam_break() };
+    tiny.volumes[0] = Volume::block(Vec3::splat(1e-3), Vec3::ZERO);
+    assert!(refused(&tiny).contains("resolution: 0.0000196") && refused(&tiny).contains("0.0001 to 100 m"));
+    tiny.resolution = Resolution::Particles(1);
+    tiny.volumes[0] = Volume::block(Vec3::splat(1e3), Vec3::ZERO);
+    assert!(refused(&tiny).contains("resolution: 2000"), "{}", refused(&tiny));
+    tiny.volumes.clear();
+    assert!(refused(&tiny).contains("a spacing, as there is no volume to share"));
+}
+
+#[test]
+fn fluid_slower_than_a_tenth_of_sound_only() {
+    let mut scene = dam_break();
+    for (speed, allowed) in [(62.7, true), (62.0, false), (1.0, false)] {
+        scene.settings.sound_speed = Some(speed);
+        assert_eq!(Plan::new(&scene).is_ok(), allowed, "{speed}");
+    }
+    assert!(matches!(Plan::new(&scene), Err(SceneError::Compressible { field: "settings.sound_speed", .. })));
+    scene.settings.allow_compressible = true;
+    let plan = Plan::new(&scene).unwrap();
+    assert_eq!(plan.parameters.sound_speed, 1.0);
+    assert!(plan.to_string().contains("note  compressible by request: sound speed 1 m/s"));
+
+    scene = dam_break();
+    for (equation, sound_speed) in [
+        (EquationOfState::Desbrun { stiffness: 1e4 }, 100.0),
+        (EquationOfState::Tait { sound_speed: 80.0, exponent: 3.0 }, 80.0),
+        (EquationOfState::Linear { sound_speed: 70.0 }, 70.0),
+    ] {
+        scene.settings.equation_of_state = Some(equation);
+        let parameters = Plan::new(&scene).unwrap().parameters;
+        assert_eq!((parameters.pressure_law.equation, parameters.sound_speed), (equation, sound_speed));
+    }
+    scene.settings.equation_of_state = Some(EquationOfState::Linear { sound_speed: 60.0 });
+    assert!(refused(&scene).starts_with("settings.equation_of_state: a speed of sound of 60 m/s"));
+    scene.settings.sound_speed = Some(80.0);
+    assert!(refused(&scene).starts_with("settings.sound_speed: 80"), "given twice");
+}
+
+/// P 5.1: a jet of 0.1 m radius leaves 3.5 m above the ground at 4.76 m/s, with c = 1.5 m/s.
+#[test]
+fn the_published_jet_needs_leave_to_be_compressible() {
+    let mut jet = FluidScene {
+        emitters: vec![Emitter {
+            center: Vec3::new(0.0, 3.5, 0.0),
+            direction: Vec3::X,
+            radius: 0.1,
+            speed: 4.76,
+            lifetime: 1.2,
+        }],
+        boundaries: vec![Boundary {
+            shape: BoundaryShape::Plane { half_extents: [3.0, 1.0] },
+            center: Vec3::new(2.0, 0.0, 0.0),
+            rotation: Quat::IDENTITY,
+        }],
+        ..FluidScene::with_spacing(0.02)
+    };
+    jet.settings.sound_speed = Some(1.5);
+    assert!(refused(&jet).contains("1.5 m/s") && refused(&jet).contains("ten times the expected speed"));
+    jet.settings.allow_compressible = true;
+    let plan = Plan::new(&jet).unwrap();
+    // It falls to the ground.
+    assert!(near(plan.parameters.expected_speed, (4.76f64.powi(2) + 2.0 * 9.81 * 3.5).sqrt()));
+    assert!(plan.lifetimes && plan.positions.is_empty());
+    assert_eq!(u64::from(plan.max_particles), jet.emitters[0].steady_count(0.02).unwrap());
+    assert!(plan.notes.iter().any(|note| note.contains("sound speed 1.5 m/s is below ten times")));
+}
+
+/// K 8.2: 131,072 particles of 0.0002 kg with an ideal gas of low stiffness.
+#[test]
+fn the_published_block_needs_leave_to_be_compressible() {
+    let half = (0.0002f32 * 131_072.0 / 1000.0).cbrt() / 2.0;
+    let mut block = FluidScene {
+        resolution: Resolution::Particles(131_072),
+        volumes: vec![Volume::block(Vec3::new(half * 2.0, half, half / 2.0), Vec3::ZERO)],
+        ..FluidScene::with_spacing(1.0)
+    };
+    block.settings.equation_of_state = Some(EquationOfState::IdealGas { stiffness: 3.0 });
+    assert!(refused(&block).starts_with("settings.equation_of_state"));
+    block.settings.allow_compressible = true;
+    let plan = Plan::new(&block).unwrap();
+    assert!((f64::from(plan.parameters.particle_mass) / 0.0002 - 1.0).abs() < 1e-4);
+    // Rounded to whole cells along each axis.
+    assert!((plan.positions.len() as f64 / 131_072.0 - 1.0).abs() < 0.02, "{}", plan.positions.len());
+    assert!(near(plan.parameters.sound_speed, 3f64.sqrt()));
+}
+
+#[test]
+fn capacity() {
+    let mut scene = dam_break();
+    scene.settings.max_particles = Some(999);
+    assert!(refused(&scene).contains("settings.max_particles: 999") && refused(&scene).contains("at least 1000"));
+    scene.settings.max_particles = Some(1000);
+    assert_eq!(Plan::new(&scene).unwrap().max_particles, 1000);
+    assert_eq!(Plan::new(&FluidScene::with_spacing(0.1)).unwrap().max_particles, 1);
+
+    let forever = Emitter { center: Vec3::Y, direction: Vec3::Y, radius: 0.2, speed: 1.0, lifetime: f32::INFINITY };
+    scene = FluidScene { emitters: vec![Emitter { lifetime: 2.0, ..forever.clone() }, forever.clone()], ..dam_break() };
+    assert!(refused(&scene).contains("emitters[1] flows for ever"));
+    scene.settings.max_particles = Some(5000);
+    assert_eq!(Plan::new(&scene).unwrap().max_particles, 5000);
+    scene.settings.max_particles = None;
+    scene.emitters.pop();
+    // 12 in a layer, 2 s and a tick of at most 1 s of 10 layers each, and two for the ends.
+    assert_eq!(Plan::new(&scene).unwrap().max_particles, 1000 + 12 * 32);
+    scene.emitters[0].lifetime = 1e30;
+    assert!(refused(&scene).contains("settings.max_particles") && refused(&scene).contains("1 to 67108864"));
+}
+
+#[test]
+fn too_many_particles_are_refused_before_memory_is_taken() {
+    let mut scene = dam_break();
+    scene.resolution = Resolution::Spacing(1e-4);
+    assert!(refused(&scene).contains("resolution: spacing 0.0001 m"));
+    scene.resolution = Resolution::Spacing(1e-3);
+    scene.volumes[0] = Volume::ball(50.0, Vec3::ZERO);
+    assert!(refused(&scene).contains(&format!("up to {MAX_PARTICLES}")));
+    // Many volumes that are small enough on their own: 400 times 64 million.
+    let many = (0..400).map(|index| Volume::block(Vec3::splat(0.2), Vec3::X * index as f32)).collect();
+    assert!(refused(&FluidScene { volumes: many, ..scene.clone() }).contains("this one makes 2.560e10"));
+    // And walls.
+    let wall = Boundary::closed_box(Vec3::splat(3.0), Vec3::ZERO);
+    let tray = Boundary::open_box(Vec3::new(2.0, 1.0, 3.0), Vec3::ZERO);
+    scene = FluidScene { boundaries: vec![wall, tray], volumes: Vec::new(), ..FluidScene::with_spacing(4e-4) };
+    // 6 * 9 m2 and 6 + 2 (2 + 3) m2 over 1.6e-7.
+    assert!(refused(&scene).contains("wall samples in all; this one makes 4.375e8"), "{}", refused(&scene));
+}
+
+#[test]
+fn volumes_that_share_space_are_refused() {
+    let block = |half: Vec3, center: Vec3| Volume::block(half, center);
+    let unit = block(Vec3::splat(0.5), Vec3::ZERO);
+    let overlaps = |second: Volume| match Plan::new(&FluidScene { volumes: vec![unit.clone(), second], ..dam_break() })
+    {
+        Ok(_) => false,
+        Err(SceneError::Overlap { first: 0, second: 1, .. }) => true,
+        Err(error) => panic!("{error}"),
+    };
+    // The same place; half a cell aside, where no two particles are near; a corner; inside; the other one inside.
+    assert!(overlaps(unit.clone()));
+    assert!(overlaps(block(Vec3::splat(0.5), Vec3::splat(0.05))));
+    assert!(overlaps(block(Vec3::splat(0.5), Vec3::splat(0.85))));
+    assert!(overlaps(Volume::ball(0.2, Vec3::splat(0.1))));
+    assert!(overlaps(Volume::ball(2.0, Vec3::ZERO)));
+    let turned = Volume { rotation: Quat::from_rotation_y(0.7), ..block(Vec3::splat(0.5), Vec3::X * 1.1) };
+    assert!(overlaps(turned.clone()));
+    // Side by side, with whole cells and with half ones, a ball on top, turned a little farther away.
+    assert!(!overlaps(block(Vec3::splat(0.5), Vec3::X)));
+    assert!(!overlaps(block(Vec3::splat(0.525), Vec3::X * 1.025)));
+    assert!(!overlaps(Volume::ball(0.3, Vec3::Y * 0.8)));
+    assert!(!overlaps(Volume { center: Vec3::X * 1.25, ..turned }));
+    // Neither a whole number of cells long.
+    let odd = |center| block(Vec3::splat(0.525), center);
+    let pair = vec![odd(Vec3::ZERO), odd(Vec3::X * 1.05), Volume::ball(0.3, Vec3::Y * 5.0), odd(Vec3::Z * 1.05)];
+    assert_eq!(Plan::new(&FluidScene { volumes: pair, ..dam_break() }).unwrap().volume_ids.len(), 4);
+}
+
+#[test]
+fn positions_that_f32_cannot_tell_apart_are_refused() {
+    let at = |x: f32| FluidScene {
+        volumes: vec![Volume::block(Vec3::splat(0.5), Vec3::X * x)],
+        boundaries: Vec::new(),
+        ..FluidScene::with_spacing(0.1)
+    };
+    assert!(Plan::new(&at(1.3e4)).is_ok());
+    let message = refused(&at(2e4));
+    assert!(message.contains("resolution: spacing 0.1 m") && message.contains("at least 0.1525"), "{message}");
+}
+
+#[test]
+fn limits_of_the_substep() {
+    let mut parameters = Plan::new(&dam_break()).unwrap().parameters;
+    // h = 0.1 m, c = 62.642 m/s.
+    assert!(near(parameters.substep_limit(0.0, 9.81), 0.4 * 0.1 / 62.641_839));
+    assert!(near(parameters.substep_limit(10.0, 9.81), 0.4 * 0.1 / 72.641_839));
+    assert!(near(parameters.substep_limit(0.0, 1e7), 0.25 * (0.1f64 / 1e7).sqrt()));
+    // nu = 1 * 62.64 * 0.1 / 10.
+    parameters.artificial_viscosity = 1.0;
+    assert!(near(parameters.viscous_limit(), 0.125 * 0.01 / 0.626_418_39));
+    parameters.courant_factor = 1.0;
+    assert!(near(parameters.substep_limit(0.0, 0.0), 0.1 / 62.641_839));
+    parameters.viscous_factor = 0.01;
+    assert_eq!(parameters.substep_limit(0.0, 0.0), parameters.viscous_limit());
+    parameters.artificial_viscosity = 0.0;
+    assert!(parameters.viscous_limit() > 1.0);
+
+    // Equal parts, none longer than the limit by more than a thousandth.
+    for (remaining, limit, parts) in [(1.0, 2.0, 1.0), (1.0, 1.0, 1.0), (1.0, 0.4, 3.0), (0.01, 0.001, 10.0)] {
+        assert!(near(Parameters::equal_substep(remaining, limit), f64::from(remaining) / parts));
+    }
+    assert_eq!(Parameters::equal_substep(0.0, 0.1), 0.0);
+}
+
+#[test]
+fn the_cells_around_a_point_are_all_different() {
+    for extent in [Vec3::ZERO, Vec3::splat(3.0), Vec3::new(50.0, 1.0, 0.1)] {
+        let grid = Grid::fitting(0.2, extent, 1 << 16);
+        for point in [Vec3::ZERO, Vec3::splat(-0.01), Vec3::new(-123.4, 55.5, 1e5), Vec3::splat(-1e9)] {
+            let mut cells: Vec<u32> = (0..27)
+                .map(|i| {
+                    grid.index(grid.coordinates(point).wrapping_add(IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)))
+                })
+                .collect();
+            cells.sort_unstable();
+            cells.dedup();
+            assert_eq!(cells.len(), 27);
+            assert!(*cells.last().unwrap() < grid.cells());
+        }
+    }
+}
+
+#[test]
+fn cells_wrap_around_also_below_zero() {
+    let grid = Grid::fitting(0.5, Vec3::new(2.0, 4.0, 8.0), u32::MAX);
+    // 4, 8 and 16 cells and three for the margins, as powers of two.
+    assert_eq!(grid.dimensions().to_array(), [8, 16, 32]);
+    assert_eq!(grid.cells(), 8 * 16 * 32);
+    assert_eq!(grid.coordinates(Vec3::new(-0.01, 0.49, 0.5)), IVec3::new(-1, 0, 1));
+    for cell in [IVec3::ZERO, IVec3::new(-1, -1, -1), IVec3::new(3, -20, 70)] {
+        let size = grid.dimensions().as_ivec3();
+        let [x, y, z] = cell.rem_euclid(size).to_array();
+        assert_eq!(grid.index(cell) as i32, x + size.x * (y + size.y * z));
+        assert_eq!(grid.index(cell), grid.index(cell + size * IVec3::new(1, -2, 3)));
+    }
+    // x runs fastest.
+    assert_eq!(grid.index(IVec3::new(1, 0, 0)), 1);
+}
+
+#[test]
+fn a_grid_has_no_more_cells_than_asked_for() {
+    for max_cells in [0, 1, 64, 100, 4096, 1 << 20, u32::MAX] {
+        for extent in [Vec3::ZERO, Vec3::new(1e6, 1.0, 1.0), Vec3::splat(1e9), Vec3::new(f32::INFINITY, 0.0, f32::NAN)]
+        {
+            let grid = Grid::fitting(0.1, extent, max_cells);
+            assert!(grid.cells() <= max_cells.max(64), "{grid:?}");
+            assert!(grid.log_cells.min_element() >= 2);
+        }
+    }
+    // The longest axes give way first, so that a long channel keeps its cross-section.
+    assert_eq!(Grid::fitting(1.0, Vec3::new(1000.0, 5.0, 5.0), 1 << 9).dimensions().to_array(), [8, 8, 8]);
+}

@@ -1,0 +1,156 @@
+//! Snapshots: bytes and back, and what is said of bytes that are none.
+
+use freshet_core::prelude::*;
+use freshet_core::snapshot::{Exchange, SnapshotError};
+use proptest::prelude::*;
+
+fn snapshot() -> Snapshot {
+    let error = Impulse { linear: Vec3::new(0.5, -0.25, 8.0), angular: Vec3::new(-1.0, 2.0, 1e-9) };
+    Snapshot {
+        tick: 300,
+        time: 5.000_000_000_1,
+        carry: 0.003,
+        next_id: 1000,
+        gravity: Vec3::new(0.0, -9.81, 0.0),
+        ids: vec![3, 4, 999],
+        positions: vec![Vec3::ZERO, Vec3::new(0.1, 0.2, 0.3), Vec3::splat(-1e6)],
+        velocities: vec![Vec3::X, Vec3::Y, Vec3::splat(f32::MIN_POSITIVE)],
+        remaining_lives: vec![f32::INFINITY, 0.5, -0.001],
+        exchanges: vec![[Exchange { tick_plus_one: 300, error }; 4], [Exchange::default(); 4]],
+    }
+}
+
+fn changed(change: impl FnOnce(&mut Snapshot)) -> Snapshot {
+    let mut snapshot = snapshot();
+    change(&mut snapshot);
+    snapshot
+}
+
+#[test]
+fn bytes_and_back() {
+    for snapshot in [snapshot(), Snapshot::default()] {
+        assert_eq!(Snapshot::from_bytes(&snapshot.to_bytes().unwrap()).unwrap(), snapshot);
+    }
+}
+
+#[test]
+fn another_file_is_no_snapshot() {
+    let bytes = snapshot().to_bytes().unwrap();
+    // Another kind of file, an empty one, another version of the format.
+    for other in [&b"(resolution: Spacing(1))"[..], b"", b"FRESH", &[&bytes[..7], &[2], &bytes[8..]].concat()] {
+        match Snapshot::from_bytes(other) {
+            Err(SnapshotError::NotASnapshot { found, expected }) => {
+                assert_eq!(found, &other[..other.len().min(8)]);
+                assert_eq!(expected, b"FRESHET\x01");
+            }
+            result => panic!("{result:?}"),
+        }
+    }
+}
+
+#[test]
+fn truncated_anywhere_it_is_damaged() {
+    let bytes = snapshot().to_bytes().unwrap();
+    for length in 8..bytes.len() {
+        assert!(matches!(Snapshot::from_bytes(&bytes[..length]), Err(SnapshotError::Damaged(_))), "{length}");
+    }
+    let longer = [&bytes[..], &[0]].concat();
+    assert!(
+        matches!(Snapshot::from_bytes(&longer), Err(SnapshotError::Damaged(message)) if message.contains("1 bytes"))
+    );
+}
+
+#[test]
+fn a_length_that_the_bytes_do_not_have_takes_no_memory() {
+    // Where the five lists of an empty snapshot have their lengths, put one that is far too large: a vector of it would
+    // overflow an address space.
+    let bytes = Snapshot::default().to_bytes().unwrap();
+    assert_eq!(bytes.len(), 39);
+    for at in 34..39 {
+        for length in [u64::from(u32::MAX), 1 << 40, 1 << 60, u64::MAX] {
+            let mut varint = Vec::new();
+            let mut rest = length;
+            while rest >= 128 {
+                varint.push(rest as u8 | 128);
+                rest >>= 7;
+            }
+            varint.push(rest as u8);
+            let huge = [&bytes[..at], &varint, &bytes[at + 1..]].concat();
+            assert!(matches!(Snapshot::from_bytes(&huge), Err(SnapshotError::Damaged(_))), "{at} {length}");
+        }
+    }
+}
+
+#[test]
+fn an_invalid_value_is_refused_by_name() {
+    let cases: [(Snapshot, [&str; 3]); 16] = [
+        (changed(|s| s.positions.truncate(2)), ["positions", "2", "3, one for each id"]),
+        (changed(|s| s.velocities.push(Vec3::ZERO)), ["velocities", "4", "3, one for each id"]),
+        (changed(|s| s.remaining_lives.clear()), ["remaining_lives", "0", "3, one for each id"]),
+        (changed(|s| s.ids.truncate(2)), ["positions", "3", "2, one for each id"]),
+        (changed(|s| s.positions[1].y = f32::NAN), ["positions[1]", "NaN", "finite"]),
+        (changed(|s| s.velocities[2].z = f32::INFINITY), ["velocities[2]", "inf", "finite"]),
+        (changed(|s| s.remaining_lives[1] = f32::NAN), ["remaining_lives[1]", "NaN", "a number"]),
+        (changed(|s| s.next_id = 999), ["ids[2]", "999", "less than next_id = 999"]),
+        (changed(|s| s.ids[1] = 3), ["ids[1]", "3", "more than the one before, 3"]),
+        (changed(|s| s.ids[0] = 5), ["ids[1]", "4", "more than the one before, 5"]),
+        (changed(|s| s.time = f64::NAN), ["time", "NaN", "0 s or more"]),
+        (changed(|s| s.time = -1.0), ["time", "-1", "0 s or more"]),
+        (changed(|s| s.carry = f32::NAN), ["carry", "NaN", "0 to 1 s"]),
+        (changed(|s| s.carry = 1.5), ["carry", "1.5", "0 to 1 s"]),
+        (changed(|s| s.gravity.x = f32::INFINITY), ["gravity", "inf", "finite"]),
+        (changed(|s| s.exchanges[1][2].error.linear.x = f32::NAN), ["exchanges[1][2]", "NaN", "finite"]),
+    ];
+    for (snapshot, [field, value, allowed]) in cases {
+        let error = Snapshot::from_bytes(&snapshot.to_bytes().unwrap()).unwrap_err();
+        assert_eq!(snapshot.validate().unwrap_err(), error);
+        let SnapshotError::Invalid(invalid) = &error else { panic!("{error:?}") };
+        assert!(invalid.field.starts_with(field) && invalid.value.contains(value), "{error}");
+        assert!(invalid.allowed.contains(allowed), "{error}");
+        let message = error.to_string();
+        assert!([field, value, allowed].iter().all(|part| message.contains(part)), "{message}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(500) })]
+
+    #[test]
+    fn any_bytes_give_a_snapshot_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+        let _ = Snapshot::from_bytes(&bytes);
+        let _ = Snapshot::from_bytes(&[b"FRESHET\x01", &bytes[..]].concat());
+    }
+
+    #[test]
+    fn damaged_bytes_give_a_valid_snapshot_or_an_error(
+        edits in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>()), 1..5),
+    ) {
+        let mut bytes = snapshot().to_bytes().unwrap();
+        for (at, byte) in edits {
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+        }
+        if let Ok(snapshot) = Snapshot::from_bytes(&bytes) {
+            prop_assert!(snapshot.validate().is_ok());
+        }
+    }
+
+    #[test]
+    fn any_state_survives(count in 0..200usize, seed in any::<u32>(), tick in any::<u64>()) {
+        let value = |index: usize| f32::from_bits((seed ^ index as u32).wrapping_mul(0x9e37_79b9)).clamp(-1e9, 1e9);
+        let vector = |index: usize| {
+            let vector = Vec3::new(value(index), value(index + 1000), value(index + 2000));
+            if vector.is_finite() { vector } else { Vec3::ONE }
+        };
+        let snapshot = Snapshot {
+            tick,
+            next_id: u32::MAX,
+            ids: (0..count as u32).map(|id| id * 7).collect(),
+            positions: (0..count).map(vector).collect(),
+            velocities: (3000..3000 + count).map(vector).collect(),
+            remaining_lives: vec![f32::INFINITY; count],
+            ..Snapshot::default()
+        };
+        prop_assert_eq!(Snapshot::from_bytes(&snapshot.to_bytes().unwrap()).unwrap(), snapshot);
+    }
+}

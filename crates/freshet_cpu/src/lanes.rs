@@ -1,0 +1,86 @@
+//! Loads, stores and arithmetic in SIMD lanes.
+
+use glam::Vec3;
+use pulp::Simd;
+
+/// Arrays that are read in lanes end with this many spare values, so that the last chunk of a range may overrun.
+pub const PADDING: usize = 16;
+
+/// The lanes that begin at `first`.
+#[inline(always)]
+pub fn load<S: Simd>(values: &[f32], first: usize) -> S::f32s {
+    S::as_simd_f32s(&values[first..first + S::F32_LANES]).0[0]
+}
+
+/// Writes lanes from `first` on.
+#[inline(always)]
+pub fn store<S: Simd>(values: &mut [f32], first: usize, lanes: S::f32s) {
+    S::as_mut_simd_f32s(&mut values[first..first + S::F32_LANES]).0[0] = lanes;
+}
+
+/// The sums over lanes of three components.
+#[inline(always)]
+pub fn sum_vector<S: Simd>(simd: S, [x, y, z]: [S::f32s; 3]) -> Vec3 {
+    Vec3::new(simd.reduce_sum_f32s(x), simd.reduce_sum_f32s(y), simd.reduce_sum_f32s(z))
+}
+
+/// The square root of values that are not negative, to single precision.
+///
+/// With AVX-512 the reciprocal estimate and one Newton step: the exact instruction takes twelve cycles and would be
+/// the longest part of a pair. Estimates differ between makers of processors in the last bit.
+#[inline(always)]
+pub fn sqrt<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = avx512(simd) {
+        let x = simd.max_f32s(x, simd.splat_f32s(1e-30));
+        let y: S::f32s = bytemuck::cast(avx512.avx512f._mm512_rsqrt14_ps(bytemuck::cast(x)));
+        // sqrt(x) = x y (3 - x y^2) / 2
+        let root = simd.mul_f32s(x, y);
+        let step = simd.mul_add_f32s(simd.mul_f32s(root, y), simd.splat_f32s(-0.5), simd.splat_f32s(1.5));
+        return simd.mul_f32s(root, step);
+    }
+    simd.sqrt_f32s(x)
+}
+
+/// A quotient to single precision, by an estimate and one Newton step with AVX-512; see [`sqrt`].
+#[inline(always)]
+pub fn divide<S: Simd>(simd: S, numerator: S::f32s, divisor: S::f32s) -> S::f32s {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = avx512(simd) {
+        let y: S::f32s = bytemuck::cast(avx512.avx512f._mm512_rcp14_ps(bytemuck::cast(divisor)));
+        let step = simd.negate_mul_add_f32s(divisor, y, simd.splat_f32s(2.0));
+        return simd.mul_f32s(simd.mul_f32s(numerator, y), step);
+    }
+    simd.div_f32s(numerator, divisor)
+}
+
+/// The AVX-512 instructions if `simd` is them; decided by the compiler.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn avx512<S: Simd>(simd: S) -> Option<pulp::x86::V4> {
+    (&simd as &dyn std::any::Any).downcast_ref::<pulp::x86::V4>().copied()
+}
+
+/// A point no kernel of support radius `reach` around `position`'s cell and its neighbours extends to.
+#[inline(always)]
+pub fn far_from(position: Vec3, reach: f32) -> [f32; 3] {
+    [position.x + 100.0 * reach, position.y, position.z]
+}
+
+/// Sums in lanes, one or more for each particle of a cell, on whole cache lines: a store across two costs twice.
+#[derive(Default)]
+pub struct Sums {
+    values: Vec<f32>,
+}
+
+impl Sums {
+    /// `count` lanes of zeros.
+    #[inline(always)]
+    pub fn zeroed<S: Simd>(&mut self, count: usize) -> &mut [S::f32s] {
+        const LINE: usize = 64;
+        self.values.clear();
+        self.values.resize(count * S::F32_LANES + LINE / 4, 0.0);
+        let first = (LINE - self.values.as_ptr() as usize % LINE) / 4;
+        S::as_mut_simd_f32s(&mut self.values[first..first + count * S::F32_LANES]).0
+    }
+}

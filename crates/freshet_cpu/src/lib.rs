@@ -1,0 +1,18 @@
+//! Freshet's solver on CPU cores: every core, explicit SIMD chosen at run time, the same bits whatever the number of
+//! threads.
+//!
+//! [`CpuSolver`] executes a [`Plan`](freshet_core::plan::Plan); each stage is a file in `passes`, with the formulas of
+//! `docs/substep.md`.
+
+mod lanes;
+mod neighbours;
+mod packed;
+mod particles;
+mod passes;
+mod samples;
+mod schedule;
+mod simd_kernel;
+mod solver;
+mod workers;
+
+pub use solver::{CpuOptions, CpuSolver, InstructionSet};

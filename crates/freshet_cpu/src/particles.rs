@@ -1,0 +1,78 @@
+//! The state, as a structure of arrays.
+
+use glam::Vec3;
+
+use crate::lanes::PADDING;
+
+/// Particles; every real array has [`PADDING`] spare values at its end.
+#[derive(Clone, Debug, Default)]
+pub struct Particles {
+    /// Number of particles.
+    pub len: usize,
+    /// Ids.
+    pub id: Vec<u32>,
+    /// Positions, m.
+    pub position: [Vec<f32>; 3],
+    /// Velocities, m/s.
+    pub velocity: [Vec<f32>; 3],
+    /// Remaining lifetimes, s.
+    pub life: Vec<f32>,
+}
+
+impl Particles {
+    /// Makes room for `len` particles; new ones are zero.
+    pub fn resize(&mut self, len: usize) {
+        self.len = len;
+        self.id.resize(len, 0);
+        for values in self.reals_mut() {
+            values.resize(len + PADDING, 0.0);
+        }
+    }
+
+    /// Adds a particle.
+    pub fn push(&mut self, id: u32, position: Vec3, velocity: Vec3, life: f32) {
+        let index = self.len;
+        self.resize(index + 1);
+        self.id[index] = id;
+        self.life[index] = life;
+        for axis in 0..3 {
+            self.position[axis][index] = position[axis];
+            self.velocity[axis][index] = velocity[axis];
+        }
+    }
+
+    /// Gives memory back when less than a quarter of it is in use.
+    pub fn shrink(&mut self) {
+        if self.id.capacity() > 4 * self.len.max(1024) {
+            let room = 2 * self.len;
+            self.id.shrink_to(room);
+            for values in self.reals_mut() {
+                values.shrink_to(room + PADDING);
+            }
+        }
+    }
+
+    /// Bytes allocated.
+    pub fn bytes(&self) -> u64 {
+        let reals: usize = self.reals().map(Vec::capacity).sum();
+        4 * (reals + self.id.capacity()) as u64
+    }
+
+    /// Position of one particle, m.
+    pub fn position_of(&self, index: usize) -> Vec3 {
+        Vec3::new(self.position[0][index], self.position[1][index], self.position[2][index])
+    }
+
+    /// Velocity of one particle, m/s.
+    pub fn velocity_of(&self, index: usize) -> Vec3 {
+        Vec3::new(self.velocity[0][index], self.velocity[1][index], self.velocity[2][index])
+    }
+
+    fn reals(&self) -> impl Iterator<Item = &Vec<f32>> {
+        self.position.iter().chain(&self.velocity).chain(std::iter::once(&self.life))
+    }
+
+    fn reals_mut(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
+        self.position.iter_mut().chain(&mut self.velocity).chain(std::iter::once(&mut self.life))
+    }
+}

@@ -1,0 +1,286 @@
+//! Stage `acceleration`: pressure, artificial viscosity and gravity.
+//!
+//! `a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k P_a F x_ak ]`; `Pi_ab` after Monaghan 1992 with
+//! beta = 0, for pairs that part as for pairs that approach (Monaghan 2005, section 8: a Newtonian viscosity). Walls and bodies act through the density they add (Akinci et al. 2012) and slip freely.
+
+use freshet_core::grid::Grid;
+use glam::Vec3;
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::lanes::{Sums, divide, far_from, sqrt, sum_vector};
+use crate::neighbours::Rows;
+use crate::packed::Packed;
+use crate::particles::Particles;
+use crate::samples::SortedSamples;
+use crate::simd_kernel::{SimdKernel, WithKernel};
+use crate::workers::Chunk;
+
+/// What the acceleration of a chunk needs.
+#[derive(Clone, Copy)]
+pub struct Inputs<'a> {
+    /// Instruction set.
+    pub arch: Arch,
+    /// Grid of everything.
+    pub grid: &'a Grid,
+    /// First particle of each cell.
+    pub starts: &'a [u32],
+    /// Sorted particles.
+    pub particles: &'a Particles,
+    /// Walls and bodies.
+    pub samples: &'a [&'a SortedSamples],
+    /// Densities, kg/m3, padded.
+    pub density: &'a [f32],
+    /// `p / rho^2`, padded.
+    pub pressure_term: &'a [f32],
+    /// Factor of fluid neighbours, `-m A / (G H^5)`.
+    pub fluid_factor: f32,
+    /// Factor of samples, `-rho0 A / (G H^5)`.
+    pub sample_factor: f32,
+    /// `2 alpha c h`; zero for a plan without viscosity.
+    pub viscosity: f32,
+    /// `0.01 h^2`, m2.
+    pub softening: f32,
+    /// m/s2.
+    pub gravity: Vec3,
+}
+
+/// Accelerations of a chunk's particles.
+pub struct Task<'a> {
+    /// Shared inputs.
+    pub inputs: Inputs<'a>,
+    /// Cells and particles.
+    pub chunk: &'a Chunk,
+    /// Result, m/s2.
+    pub acceleration: [&'a mut [f32]; 3],
+}
+
+/// Largest values in a chunk, squared.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Maxima {
+    /// m2/s2.
+    pub speed_squared: f32,
+    /// m2/s4.
+    pub acceleration_squared: f32,
+}
+
+impl WithKernel for Task<'_> {
+    type Output = Maxima;
+
+    fn with<K: SimdKernel>(self, _: K) -> Maxima {
+        if self.inputs.viscosity > 0.0 {
+            self.inputs.arch.dispatch(Typed::<K, true>(self, std::marker::PhantomData))
+        } else {
+            self.inputs.arch.dispatch(Typed::<K, false>(self, std::marker::PhantomData))
+        }
+    }
+}
+
+struct Typed<'a, K, const VISCOUS: bool>(Task<'a>, std::marker::PhantomData<K>);
+
+impl<K: SimdKernel, const VISCOUS: bool> WithSimd for Typed<'_, K, VISCOUS> {
+    type Output = Maxima;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Maxima {
+        let Task { inputs, chunk, acceleration: [ax, ay, az] } = self.0;
+        let ([x, y, z], [vx, vy, vz]) = (&inputs.particles.position, &inputs.particles.velocity);
+        let mut calm = Packed::<4>::new();
+        let mut viscous = Packed::<8>::new();
+        let mut sums = Sums::default();
+        let pairs = Pairs::new(simd, &inputs);
+        let mut maxima = Maxima::default();
+        for cell in chunk.cells.clone() {
+            let range = inputs.starts[cell] as usize..inputs.starts[cell + 1] as usize;
+            if range.is_empty() {
+                continue;
+            }
+            let [fx, fy, fz] = far_from(inputs.particles.position_of(range.start), inputs.grid.cell_size);
+            let own = Own::new(&inputs, &range);
+            let (sums, _) = sums.zeroed::<S>(3 * range.len()).as_chunks_mut::<3>();
+            let rows = Rows::around(inputs.grid, inputs.starts, cell);
+            if VISCOUS {
+                let sources = [x, y, z, inputs.pressure_term, vx, vy, vz, inputs.density];
+                viscous.pack(simd, &rows, sources, [fx, fy, fz, 0.0, 0.0, 0.0, 0.0, 1.0]);
+                add_viscous_fluid::<S, K>(simd, pairs, own, &viscous, sums);
+            } else {
+                calm.pack(simd, &rows, [x, y, z, inputs.pressure_term], [fx, fy, fz, 0.0]);
+                add_fluid::<S, K>(simd, pairs, own, &calm, sums);
+            }
+            for samples in inputs.samples {
+                let rows = Rows::around(inputs.grid, &samples.starts, cell);
+                if !rows.is_empty() {
+                    let [x, y, z] = &samples.position;
+                    calm.pack(simd, &rows, [x, y, z, &samples.volume], [fx, fy, fz, 0.0]);
+                    add_samples::<S, K>(simd, pairs, own, &calm, sums);
+                }
+            }
+            for (i, &sum) in range.zip(&*sums) {
+                let value = inputs.gravity + sum_vector(simd, sum);
+                let at = i - chunk.particles.start;
+                (ax[at], ay[at], az[at]) = value.into();
+                maxima.acceleration_squared = maxima.acceleration_squared.max(value.length_squared());
+                maxima.speed_squared = maxima.speed_squared.max(inputs.particles.velocity_of(i).length_squared());
+            }
+        }
+        maxima
+    }
+}
+
+/// A cell's particles.
+#[derive(Clone, Copy)]
+struct Own<'a> {
+    position: [&'a [f32]; 3],
+    velocity: [&'a [f32]; 3],
+    density: &'a [f32],
+    pressure_term: &'a [f32],
+}
+
+impl<'a> Own<'a> {
+    #[inline(always)]
+    fn new(inputs: &Inputs<'a>, range: &std::ops::Range<usize>) -> Self {
+        let ([x, y, z], [u, v, w]) = (&inputs.particles.position, &inputs.particles.velocity);
+        Self {
+            position: [&x[range.clone()], &y[range.clone()], &z[range.clone()]],
+            velocity: [&u[range.clone()], &v[range.clone()], &w[range.clone()]],
+            density: &inputs.density[range.clone()],
+            pressure_term: &inputs.pressure_term[range.clone()],
+        }
+    }
+
+    /// Positions and pressure terms, each beside the sum it belongs to.
+    #[inline(always)]
+    fn with<'b, T>(self, sums: &'b mut [T]) -> impl Iterator<Item = (&'b mut T, [f32; 3], f32)>
+    where
+        'a: 'b,
+    {
+        let [x, y, z] = self.position;
+        sums.iter_mut()
+            .zip(x)
+            .zip(y)
+            .zip(z)
+            .zip(self.pressure_term)
+            .map(|((((sum, &x), &y), &z), &term)| (sum, [x, y, z], term))
+    }
+}
+
+/// `-m A/(G H^5) sum_b (P_a + P_b + Pi_ab) f'(q)/q x_ab` over the fluid, for each of a cell's particles.
+#[inline(always)]
+fn add_viscous_fluid<S: Simd, K: SimdKernel>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: Own,
+    all: &Packed<8>,
+    sums: &mut [[S::f32s; 3]],
+) {
+    let [vx, vy, vz] = own.velocity;
+    let mut first = 0;
+    while first < all.len() {
+        let [x, y, z, term, u, v, w, density] = all.lanes::<S>(first);
+        let motions = vx.iter().zip(vy).zip(vz).zip(own.density);
+        for ((sum, position, own_term), (((&own_u, &own_v), &own_w), &own_density)) in own.with(sums).zip(motions) {
+            let ([dx, dy, dz], squared) = difference(simd, position, [x, y, z]);
+            let du = simd.sub_f32s(simd.splat_f32s(own_u), u);
+            let dv = simd.sub_f32s(simd.splat_f32s(own_v), v);
+            let dw = simd.sub_f32s(simd.splat_f32s(own_w), w);
+            let approach = simd.mul_add_f32s(dw, dz, simd.mul_add_f32s(dv, dy, simd.mul_f32s(du, dx)));
+            let numerator = simd.mul_f32s(pairs.viscosity, approach);
+            let densities = simd.add_f32s(simd.splat_f32s(own_density), density);
+            let divisor = simd.mul_f32s(simd.add_f32s(squared, pairs.softening), densities);
+            let pressure = simd.add_f32s(simd.splat_f32s(own_term), term);
+            let strength = simd.sub_f32s(pressure, divide(simd, numerator, divisor));
+            let slope = simd.mul_f32s(pairs.fluid_factor, pairs.slope::<K>(simd, squared));
+            add(simd, sum, simd.mul_f32s(strength, slope), [dx, dy, dz]);
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// The same without viscosity.
+#[inline(always)]
+fn add_fluid<S: Simd, K: SimdKernel>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: Own,
+    all: &Packed<4>,
+    sums: &mut [[S::f32s; 3]],
+) {
+    let mut first = 0;
+    while first < all.len() {
+        let [x, y, z, term] = all.lanes::<S>(first);
+        for (sum, position, own_term) in own.with(sums) {
+            let (difference, squared) = difference(simd, position, [x, y, z]);
+            let pressure = simd.add_f32s(simd.splat_f32s(own_term), term);
+            let slope = simd.mul_f32s(pairs.fluid_factor, pairs.slope::<K>(simd, squared));
+            add(simd, sum, simd.mul_f32s(pressure, slope), difference);
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// `-rho0 A/(G H^5) P_a sum_k V_k f'(q)/q x_ak` over walls or bodies, for each of a cell's particles.
+#[inline(always)]
+fn add_samples<S: Simd, K: SimdKernel>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: Own,
+    all: &Packed<4>,
+    sums: &mut [[S::f32s; 3]],
+) {
+    let mut first = 0;
+    while first < all.len() {
+        let [x, y, z, volume] = all.lanes::<S>(first);
+        let weight = simd.mul_f32s(pairs.sample_factor, volume);
+        for (sum, position, own_term) in own.with(sums) {
+            let (difference, squared) = difference(simd, position, [x, y, z]);
+            let pressure = simd.mul_f32s(weight, simd.splat_f32s(own_term));
+            add(simd, sum, simd.mul_f32s(pressure, pairs.slope::<K>(simd, squared)), difference);
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// Constants of the innermost loop, in registers: read through a reference they would be read again for every pair.
+#[derive(Clone, Copy)]
+struct Pairs<S: Simd> {
+    inverse_radius: S::f32s,
+    fluid_factor: S::f32s,
+    sample_factor: S::f32s,
+    viscosity: S::f32s,
+    softening: S::f32s,
+}
+
+impl<S: Simd> Pairs<S> {
+    #[inline(always)]
+    fn new(simd: S, inputs: &Inputs) -> Self {
+        Self {
+            inverse_radius: simd.splat_f32s(1.0 / inputs.grid.cell_size),
+            fluid_factor: simd.splat_f32s(inputs.fluid_factor),
+            sample_factor: simd.splat_f32s(inputs.sample_factor),
+            viscosity: simd.splat_f32s(inputs.viscosity),
+            softening: simd.splat_f32s(inputs.softening),
+        }
+    }
+
+    /// `f'(q)/q`, zero beyond the support.
+    #[inline(always)]
+    fn slope<K: SimdKernel>(self, simd: S, squared: S::f32s) -> S::f32s {
+        let q = simd.mul_f32s(sqrt(simd, squared), self.inverse_radius);
+        K::slope_over_q(simd, simd.min_f32s(q, simd.splat_f32s(1.0)))
+    }
+}
+
+/// `x_ab` and its square, between a particle and lanes of others.
+#[inline(always)]
+fn difference<S: Simd>(simd: S, own: [f32; 3], other: [S::f32s; 3]) -> ([S::f32s; 3], S::f32s) {
+    let dx = simd.sub_f32s(simd.splat_f32s(own[0]), other[0]);
+    let dy = simd.sub_f32s(simd.splat_f32s(own[1]), other[1]);
+    let dz = simd.sub_f32s(simd.splat_f32s(own[2]), other[2]);
+    ([dx, dy, dz], simd.mul_add_f32s(dz, dz, simd.mul_add_f32s(dy, dy, simd.mul_f32s(dx, dx))))
+}
+
+#[inline(always)]
+fn add<S: Simd>(simd: S, sum: &mut [S::f32s; 3], factor: S::f32s, difference: [S::f32s; 3]) {
+    sum[0] = simd.mul_add_f32s(factor, difference[0], sum[0]);
+    sum[1] = simd.mul_add_f32s(factor, difference[1], sum[1]);
+    sum[2] = simd.mul_add_f32s(factor, difference[2], sum[2]);
+}

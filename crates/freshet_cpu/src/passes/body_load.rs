@@ -1,0 +1,94 @@
+//! Stage `body_load`: the opposite of what the particles felt from each sample, summed over a body.
+//!
+//! Sample k feels `+ (1/G) m rho0 V_k sum_a P_a F x_ak`.
+
+use freshet_core::grid::Grid;
+use glam::Vec3;
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::lanes::{far_from, sqrt, sum_vector};
+use crate::neighbours::Rows;
+use crate::packed::Packed;
+use crate::particles::Particles;
+use crate::samples::SortedSamples;
+use crate::simd_kernel::{SimdKernel, WithKernel};
+
+/// Forces on samples.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    /// Instruction set.
+    pub arch: Arch,
+    /// Grid of everything.
+    pub grid: &'a Grid,
+    /// First particle of each cell.
+    pub starts: &'a [u32],
+    /// Sorted particles.
+    pub particles: &'a Particles,
+    /// `p / rho^2`, padded.
+    pub pressure_term: &'a [f32],
+    /// Sorted samples of all bodies.
+    pub samples: &'a SortedSamples,
+    /// Slots of the samples to do.
+    pub slots: (usize, usize),
+    /// `m rho0 A / (G H^5)`.
+    pub factor: f32,
+}
+
+impl WithKernel for Task<'_> {
+    type Output = Vec<Vec3>;
+
+    fn with<K: SimdKernel>(self, _: K) -> Vec<Vec3> {
+        self.arch.dispatch(Typed::<K>(self, std::marker::PhantomData))
+    }
+}
+
+struct Typed<'a, K>(Task<'a>, std::marker::PhantomData<K>);
+
+impl<K: SimdKernel> WithSimd for Typed<'_, K> {
+    type Output = Vec<Vec3>;
+
+    /// Force on each sample, N.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Vec<Vec3> {
+        let task = self.0;
+        let [x, y, z] = &task.particles.position;
+        let mut candidates = Packed::<4>::new();
+        let mut packed_cell = None;
+        let mut forces = Vec::with_capacity(task.slots.1 - task.slots.0);
+        for slot in task.slots.0..task.slots.1 {
+            let at = task.samples.position_of(slot);
+            let cell = task.grid.index(task.grid.coordinates(at)) as usize;
+            if packed_cell != Some(cell) {
+                let [fx, fy, fz] = far_from(at, task.grid.cell_size);
+                let rows = Rows::around(task.grid, task.starts, cell);
+                candidates.pack(simd, &rows, [x, y, z, task.pressure_term], [fx, fy, fz, 0.0]);
+                packed_cell = Some(cell);
+            }
+            let sum = sum_around::<S, K>(simd, &candidates, at, 1.0 / task.grid.cell_size);
+            forces.push(task.factor * task.samples.volume[slot] * sum);
+        }
+        forces
+    }
+}
+
+/// `sum_a P_a f'(q)/q x_ak`.
+#[inline(always)]
+fn sum_around<S: Simd, K: SimdKernel>(simd: S, candidates: &Packed<4>, at: Vec3, inverse_radius: f32) -> Vec3 {
+    let (inverse_radius, one) = (simd.splat_f32s(inverse_radius), simd.splat_f32s(1.0));
+    let mut sum = [simd.splat_f32s(0.0); 3];
+    let mut first = 0;
+    while first < candidates.len() {
+        let [x, y, z, term] = candidates.lanes::<S>(first);
+        let dx = simd.sub_f32s(x, simd.splat_f32s(at.x));
+        let dy = simd.sub_f32s(y, simd.splat_f32s(at.y));
+        let dz = simd.sub_f32s(z, simd.splat_f32s(at.z));
+        let squared = simd.mul_add_f32s(dz, dz, simd.mul_add_f32s(dy, dy, simd.mul_f32s(dx, dx)));
+        let q = simd.min_f32s(simd.mul_f32s(sqrt(simd, squared), inverse_radius), one);
+        let factor = simd.mul_f32s(term, K::slope_over_q(simd, q));
+        sum[0] = simd.mul_add_f32s(factor, dx, sum[0]);
+        sum[1] = simd.mul_add_f32s(factor, dy, sum[1]);
+        sum[2] = simd.mul_add_f32s(factor, dz, sum[2]);
+        first += S::F32_LANES;
+    }
+    sum_vector(simd, sum)
+}

@@ -1,0 +1,73 @@
+//! Stage `body_motion`: bodies move by the fluid's force within the tick.
+
+use freshet_core::snapshot::Exchange;
+use freshet_core::step::{BodyInput, Impulse};
+use glam::{Mat3, Quat, Vec3};
+
+/// A body during a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MovingBody {
+    /// Centre of mass, m.
+    pub position: Vec3,
+    /// Orientation.
+    pub rotation: Quat,
+    /// m/s.
+    pub linear_velocity: Vec3,
+    /// rad/s, world axes.
+    pub angular_velocity: Vec3,
+    /// 1/kg.
+    pub inverse_mass: f32,
+    /// 1/(kg m2), world axes, kept from the tick's start.
+    pub inverse_inertia: Mat3,
+    /// m/s2, from everything but the fluid.
+    pub acceleration: Vec3,
+    /// What the fluid gave in this tick so far.
+    pub impulse: Impulse,
+}
+
+impl MovingBody {
+    /// The body at the start of tick `tick`: as its engine knows it, plus what the engine has not heard of yet.
+    pub fn begin(input: &BodyInput, exchanges: &[Exchange], tick: u64, duration: f32) -> Self {
+        let mut body = Self {
+            position: input.position,
+            rotation: input.rotation,
+            linear_velocity: input.linear_velocity,
+            angular_velocity: input.angular_velocity,
+            inverse_mass: input.inverse_mass,
+            inverse_inertia: input.inverse_inertia,
+            acceleration: input.acceleration,
+            impulse: Impulse::default(),
+        };
+        for exchange in exchanges {
+            let Some(past) = exchange.tick_plus_one.checked_sub(1) else { continue };
+            if past < input.corrected_before || past >= tick {
+                continue;
+            }
+            let velocity = exchange.error.linear * body.inverse_mass;
+            let turn = body.inverse_inertia * exchange.error.angular;
+            body.linear_velocity += velocity;
+            body.angular_velocity += turn;
+            if input.free {
+                let late = ((tick - past) as f32 - 0.5) * duration;
+                body.position += velocity * late;
+                body.rotation = (Quat::from_scaled_axis(turn * late) * body.rotation).normalize();
+            }
+        }
+        body
+    }
+
+    /// Moves by `force` (N) and `torque` (N m) over `dt` seconds, velocities first.
+    pub fn advance(&mut self, force: Vec3, torque: Vec3, dt: f32) {
+        self.impulse.linear += force * dt;
+        self.impulse.angular += torque * dt;
+        self.linear_velocity += dt * (force * self.inverse_mass + self.acceleration);
+        self.angular_velocity += dt * (self.inverse_inertia * torque);
+        self.position += dt * self.linear_velocity;
+        self.rotation = (Quat::from_scaled_axis(self.angular_velocity * dt) * self.rotation).normalize();
+    }
+}
+
+/// Remembers a tick's exchange in place of the oldest.
+pub fn remember(exchanges: &mut [Exchange; 4], tick: u64, given: Impulse, forecast: Impulse) {
+    exchanges[(tick % 4) as usize] = Exchange { tick_plus_one: tick + 1, error: given - forecast };
+}

@@ -1,0 +1,177 @@
+//! Stage `density`: `rho_a = (1/S) (m sum_b W_ab + rho0 sum_k V_k W_ak)` and `P_a = p_a / rho_a^2`.
+
+use freshet_core::equation_of_state::PressureLaw;
+use freshet_core::grid::Grid;
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::lanes::{Sums, far_from, sqrt};
+use crate::neighbours::Rows;
+use crate::packed::Packed;
+use crate::particles::Particles;
+use crate::samples::SortedSamples;
+use crate::simd_kernel::{SimdKernel, WithKernel};
+use crate::workers::Chunk;
+
+/// What the density of a chunk needs.
+#[derive(Clone, Copy)]
+pub struct Inputs<'a> {
+    /// Instruction set.
+    pub arch: Arch,
+    /// Grid of everything.
+    pub grid: &'a Grid,
+    /// First particle of each cell.
+    pub starts: &'a [u32],
+    /// Sorted particles.
+    pub particles: &'a Particles,
+    /// Walls and bodies.
+    pub samples: &'a [&'a SortedSamples],
+    /// Factor of fluid neighbours, `m A / (S H^3)`.
+    pub fluid_factor: f32,
+    /// Factor of samples, `rho0 A / (S H^3)`.
+    pub sample_factor: f32,
+    /// Pressure as a function of density.
+    pub law: PressureLaw,
+    /// Density at rest, kg/m3.
+    pub rest_density: f32,
+}
+
+/// Densities and pressure terms of a chunk's particles.
+pub struct Task<'a> {
+    /// Shared inputs.
+    pub inputs: Inputs<'a>,
+    /// Cells and particles.
+    pub chunk: &'a Chunk,
+    /// Result, kg/m3.
+    pub density: &'a mut [f32],
+    /// Result, `p / rho^2`.
+    pub pressure_term: &'a mut [f32],
+}
+
+/// Compression of a chunk.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Compression {
+    /// Largest `rho / rho0 - 1`.
+    pub largest: f32,
+    /// Sum of `max(rho / rho0 - 1, 0)` limited to 1, in units of 2^-20: integers, so that order does not matter.
+    pub sum: u64,
+}
+
+impl WithKernel for Task<'_> {
+    type Output = Compression;
+
+    fn with<K: SimdKernel>(self, _: K) -> Compression {
+        self.inputs.arch.dispatch(Typed::<K>(self, std::marker::PhantomData))
+    }
+}
+
+struct Typed<'a, K>(Task<'a>, std::marker::PhantomData<K>);
+
+impl<K: SimdKernel> WithSimd for Typed<'_, K> {
+    type Output = Compression;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Compression {
+        let Task { inputs, chunk, density, pressure_term } = self.0;
+        let [x, y, z] = &inputs.particles.position;
+        let mut candidates = Packed::<3>::new();
+        let mut weighted = Packed::<4>::new();
+        let mut sums = Sums::default();
+        let pairs = Pairs::new(simd, &inputs);
+        for cell in chunk.cells.clone() {
+            let range = inputs.starts[cell] as usize..inputs.starts[cell + 1] as usize;
+            if range.is_empty() {
+                continue;
+            }
+            let far = far_from(inputs.particles.position_of(range.start), inputs.grid.cell_size);
+            let own = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
+            let sums = sums.zeroed::<S>(range.len());
+            let rows = Rows::around(inputs.grid, inputs.starts, cell);
+            candidates.pack(simd, &rows, [x, y, z], far);
+            add_fluid::<S, K>(simd, pairs, own, &candidates, sums);
+            for samples in inputs.samples {
+                let rows = Rows::around(inputs.grid, &samples.starts, cell);
+                if !rows.is_empty() {
+                    let [x, y, z] = &samples.position;
+                    weighted.pack(simd, &rows, [x, y, z, &samples.volume], [far[0], far[1], far[2], 0.0]);
+                    add_samples::<S, K>(simd, pairs, own, &weighted, sums);
+                }
+            }
+            let first = range.start - chunk.particles.start;
+            for (density, &sum) in density[first..first + range.len()].iter_mut().zip(&*sums) {
+                *density = simd.reduce_sum_f32s(sum);
+            }
+        }
+        finish(&inputs, density, pressure_term)
+    }
+}
+
+/// `m A/(S H^3) sum_b f(q_ab)` over the fluid, for each of a cell's particles.
+#[inline(always)]
+fn add_fluid<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: [&[f32]; 3], all: &Packed<3>, sums: &mut [S::f32s]) {
+    let mut first = 0;
+    while first < all.len() {
+        let other = all.lanes::<S>(first);
+        for (((sum, &x), &y), &z) in sums.iter_mut().zip(own[0]).zip(own[1]).zip(own[2]) {
+            let q = pairs.relative_distance(simd, [x, y, z], other);
+            *sum = simd.mul_add_f32s(pairs.fluid_factor, K::shape(simd, q), *sum);
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// `rho0 A/(S H^3) sum_k V_k f(q_ak)` over walls or bodies, for each of a cell's particles.
+#[inline(always)]
+fn add_samples<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: [&[f32]; 3], all: &Packed<4>, sums: &mut [S::f32s]) {
+    let mut first = 0;
+    while first < all.len() {
+        let [ox, oy, oz, volume] = all.lanes::<S>(first);
+        let weight = simd.mul_f32s(pairs.sample_factor, volume);
+        for (((sum, &x), &y), &z) in sums.iter_mut().zip(own[0]).zip(own[1]).zip(own[2]) {
+            let q = pairs.relative_distance(simd, [x, y, z], [ox, oy, oz]);
+            *sum = simd.mul_add_f32s(weight, K::shape(simd, q), *sum);
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// Constants of the innermost loop, in registers: read through a reference they would be read again for every pair.
+#[derive(Clone, Copy)]
+struct Pairs<S: Simd> {
+    inverse_radius: S::f32s,
+    fluid_factor: S::f32s,
+    sample_factor: S::f32s,
+}
+
+impl<S: Simd> Pairs<S> {
+    #[inline(always)]
+    fn new(simd: S, inputs: &Inputs) -> Self {
+        Self {
+            inverse_radius: simd.splat_f32s(1.0 / inputs.grid.cell_size),
+            fluid_factor: simd.splat_f32s(inputs.fluid_factor),
+            sample_factor: simd.splat_f32s(inputs.sample_factor),
+        }
+    }
+
+    /// `min(r/H, 1)` between a particle and lanes of others.
+    #[inline(always)]
+    fn relative_distance(self, simd: S, own: [f32; 3], other: [S::f32s; 3]) -> S::f32s {
+        let dx = simd.sub_f32s(simd.splat_f32s(own[0]), other[0]);
+        let dy = simd.sub_f32s(simd.splat_f32s(own[1]), other[1]);
+        let dz = simd.sub_f32s(simd.splat_f32s(own[2]), other[2]);
+        let squared = simd.mul_add_f32s(dz, dz, simd.mul_add_f32s(dy, dy, simd.mul_f32s(dx, dx)));
+        simd.min_f32s(simd.mul_f32s(sqrt(simd, squared), self.inverse_radius), simd.splat_f32s(1.0))
+    }
+}
+
+/// Pressure terms and compression from densities.
+fn finish(inputs: &Inputs, density: &[f32], pressure_term: &mut [f32]) -> Compression {
+    let mut compression = Compression::default();
+    for (density, term) in density.iter().zip(pressure_term) {
+        let excess = density / inputs.rest_density - 1.0;
+        compression.largest = compression.largest.max(excess);
+        compression.sum += u64::from((excess.clamp(0.0, 1.0) * 1_048_576.0) as u32);
+        let pressure = inputs.law.pressure(f64::from(inputs.rest_density), f64::from(*density)) as f32;
+        *term = pressure / (density * density);
+    }
+    compression
+}

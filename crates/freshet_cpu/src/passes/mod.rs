@@ -1,0 +1,10 @@
+//! The stages of a substep, one file each, named as in the plan and as their WGSL twins.
+
+pub mod acceleration;
+pub mod body_load;
+pub mod body_motion;
+pub mod body_sort;
+pub mod density;
+pub mod integrate;
+pub mod sort;
+pub mod step_control;

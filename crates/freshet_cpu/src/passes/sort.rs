@@ -1,0 +1,282 @@
+//! Stage `sort`: particles by cell, by id within a cell; the retired and the removed fall out.
+
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+use freshet_core::grid::Grid;
+use glam::{UVec3, Vec3};
+
+use crate::lanes::PADDING;
+use crate::particles::Particles;
+use crate::workers::{Chunk, Workers, chunks, split};
+
+/// Memory of the sort, kept between substeps.
+#[derive(Default)]
+pub struct Sorter {
+    /// First particle of each cell, and the number of particles.
+    pub starts: Vec<u32>,
+    /// Runs of cells that share the work of the next passes.
+    pub chunks: Vec<Chunk>,
+    keys: Vec<u32>,
+    order: Vec<AtomicU32>,
+    cursors: Vec<Vec<u32>>,
+}
+
+/// Particles that fell out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dropped {
+    /// Their lifetime was over or a command said so.
+    pub retired: u32,
+    /// They were not finite or out of bounds.
+    pub removed: u32,
+}
+
+/// Bounds and grid, as the keys need them.
+struct KeyRule {
+    inverse_cell: f32,
+    mask: UVec3,
+    shift: [u32; 2],
+    trash: u32,
+    bounds: [Vec3; 2],
+}
+
+impl KeyRule {
+    fn new(grid: &Grid, bounds: [Vec3; 2]) -> Self {
+        Self {
+            inverse_cell: 1.0 / grid.cell_size,
+            mask: grid.dimensions() - UVec3::ONE,
+            shift: [grid.log_cells.x, grid.log_cells.x + grid.log_cells.y],
+            trash: grid.cells(),
+            bounds,
+        }
+    }
+
+    #[inline(always)]
+    fn key(&self, position: [f32; 3], velocity: [f32; 3], life: f32, dropped: &mut Dropped) -> u32 {
+        if life <= 0.0 {
+            dropped.retired += 1;
+            return self.trash;
+        }
+        let [min, max] = self.bounds;
+        // Comparisons with NaN are false: what is not finite is not inside.
+        let inside = (0..3).all(|axis| position[axis] >= min[axis] && position[axis] <= max[axis]);
+        if !inside || !(velocity[0] + velocity[1] + velocity[2]).is_finite() {
+            dropped.removed += 1;
+            return self.trash;
+        }
+        let cell = |axis: usize| (position[axis] * self.inverse_cell).floor() as i32 as u32 & self.mask[axis];
+        cell(0) | (cell(1) << self.shift[0]) | (cell(2) << self.shift[1])
+    }
+}
+
+impl Sorter {
+    /// Sorts `particles` (through `scratch`, which ends up with the old order).
+    pub fn sort(
+        &mut self,
+        workers: &Workers,
+        grid: &Grid,
+        bounds: [Vec3; 2],
+        particles: &mut Particles,
+        scratch: &mut Particles,
+    ) -> Dropped {
+        let cells = grid.cells() as usize;
+        let blocks = self.count(workers, &KeyRule::new(grid, bounds), particles);
+        let dropped = blocks.iter().fold(Dropped::default(), |sum, block| Dropped {
+            retired: sum.retired + block.retired,
+            removed: sum.removed + block.removed,
+        });
+        self.scan(cells);
+        self.scatter(workers, particles.len);
+        let live = self.starts[cells] as usize;
+        self.chunks = chunks(&self.starts, 16 * workers.threads());
+        scratch.resize(live);
+        self.reorder(workers, particles, scratch);
+        std::mem::swap(particles, scratch);
+        dropped
+    }
+
+    /// Bytes allocated.
+    pub fn bytes(&self) -> u64 {
+        let cursors: usize = self.cursors.iter().map(Vec::capacity).sum();
+        4 * (self.starts.capacity() + self.keys.capacity() + self.order.capacity() + cursors) as u64
+    }
+
+    /// Keys, and a histogram for each block of particles.
+    fn count(&mut self, workers: &Workers, rule: &KeyRule, particles: &Particles) -> Vec<Dropped> {
+        let blocks = workers.threads().min(16);
+        let size = particles.len.div_ceil(blocks).max(1);
+        self.keys.resize(particles.len, 0);
+        self.cursors.resize_with(blocks, Vec::new);
+        self.order.resize_with(particles.len, AtomicU32::default);
+        let mut tasks = Vec::with_capacity(blocks);
+        let mut keys = self.keys.chunks_mut(size);
+        for (block, histogram) in self.cursors.iter_mut().enumerate() {
+            tasks.push((block * size, keys.next().unwrap_or(&mut []), histogram));
+        }
+        workers.map(tasks, |(first, keys, histogram)| {
+            let mut dropped = Dropped::default();
+            histogram.clear();
+            histogram.resize(rule.trash as usize + 1, 0);
+            for (offset, key) in keys.iter_mut().enumerate() {
+                let i = first + offset;
+                let position = [particles.position[0][i], particles.position[1][i], particles.position[2][i]];
+                let velocity = [particles.velocity[0][i], particles.velocity[1][i], particles.velocity[2][i]];
+                *key = rule.key(position, velocity, particles.life[i], &mut dropped);
+                histogram[*key as usize] += 1;
+            }
+            dropped
+        })
+    }
+
+    /// Turns the histograms into the first slot of each cell and block.
+    fn scan(&mut self, cells: usize) {
+        self.starts.resize(cells + 1, 0);
+        let mut total = 0;
+        for (cell, start) in self.starts.iter_mut().enumerate() {
+            *start = total;
+            for histogram in &mut self.cursors {
+                total += std::mem::replace(&mut histogram[cell], total);
+            }
+        }
+    }
+
+    /// Writes the index of each particle to its slot; slots of different blocks differ.
+    fn scatter(&mut self, workers: &Workers, len: usize) {
+        let size = len.div_ceil(self.cursors.len()).max(1);
+        let order = &self.order;
+        let mut keys = self.keys.chunks(size);
+        let mut tasks = Vec::with_capacity(self.cursors.len());
+        for (block, cursors) in self.cursors.iter_mut().enumerate() {
+            tasks.push((block * size, keys.next().unwrap_or(&[]), cursors));
+        }
+        workers.map(tasks, |(first, keys, cursors)| {
+            for (offset, &key) in keys.iter().enumerate() {
+                let cursor = &mut cursors[key as usize];
+                order[*cursor as usize].store((first + offset) as u32, Relaxed);
+                *cursor += 1;
+            }
+        });
+    }
+
+    /// Copies particles to their slots, each cell in the order of ids.
+    fn reorder(&mut self, workers: &Workers, from: &Particles, to: &mut Particles) {
+        let (starts, order) = (&self.starts, &self.order);
+        let live = to.len;
+        let Particles { id, position, velocity, life, .. } = to;
+        let [px, py, pz] = position;
+        let [vx, vy, vz] = velocity;
+        let mut parts: Vec<_> =
+            [px, py, pz, vx, vy, vz, life].map(|values| split(&mut values[..live + PADDING], &self.chunks).into_iter()).into();
+        let ids = split(id, &self.chunks);
+        let mut tasks = Vec::with_capacity(ids.len());
+        for (chunk, ids) in self.chunks.iter().zip(ids) {
+            let reals: Vec<&mut [f32]> = parts.iter_mut().filter_map(Iterator::next).collect();
+            tasks.push((chunk.clone(), ids, reals));
+        }
+        let sources: [&[f32]; 7] = [
+            &from.position[0],
+            &from.position[1],
+            &from.position[2],
+            &from.velocity[0],
+            &from.velocity[1],
+            &from.velocity[2],
+            &from.life,
+        ];
+        workers.map(tasks, |(chunk, ids, mut reals)| {
+            let base = chunk.particles.start;
+            let mut sorted: Vec<(u32, u32)> =
+                order[chunk.particles].iter().map(|slot| slot.load(Relaxed)).map(|i| (from.id[i as usize], i)).collect();
+            for cell in chunk.cells {
+                sort_short(&mut sorted[starts[cell] as usize - base..starts[cell + 1] as usize - base]);
+            }
+            for (target, &(id, _)) in ids.iter_mut().zip(&sorted) {
+                *target = id;
+            }
+            for (target, source) in reals.iter_mut().zip(sources) {
+                for (value, &(_, i)) in target.iter_mut().zip(&sorted) {
+                    *value = source[i as usize];
+                }
+            }
+        });
+    }
+}
+
+/// Sorts by id; cells are short and nearly sorted, so insertion wins.
+fn sort_short(slots: &mut [(u32, u32)]) {
+    if slots.len() > 64 {
+        slots.sort_unstable();
+        return;
+    }
+    for end in 1..slots.len() {
+        let mut at = end;
+        while at > 0 && slots[at - 1].0 > slots[at].0 {
+            slots.swap(at - 1, at);
+            at -= 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scattered(count: usize) -> Particles {
+        let mut particles = Particles::default();
+        let mut state = 1u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / 16_777_216.0
+        };
+        for i in 0..count {
+            let position = Vec3::new(random() * 9.0 - 3.0, random() * 5.0 - 1.0, random() * 4.0);
+            particles.push((i * 7919 % count) as u32, position, Vec3::splat(random()), f32::INFINITY);
+        }
+        particles
+    }
+
+    #[test]
+    fn order_is_by_cell_then_id_and_nothing_is_lost() {
+        let grid = Grid::fitting(0.5, Vec3::new(9.0, 5.0, 4.0), 1 << 12);
+        for threads in [1, 2, 3] {
+            let workers = Workers::new(Some(threads)).unwrap();
+            let mut particles = scattered(5000);
+            let mut expected: Vec<(u32, u32, Vec3, Vec3)> = (0..5000)
+                .map(|i| {
+                    let position = particles.position_of(i);
+                    let cell = grid.index(grid.coordinates(position));
+                    (cell, particles.id[i], position, particles.velocity_of(i))
+                })
+                .collect();
+            expected.sort_by_key(|&(cell, id, ..)| (cell, id));
+            let mut sorter = Sorter::default();
+            let mut scratch = Particles::default();
+            let bounds = [Vec3::splat(-100.0), Vec3::splat(100.0)];
+            let dropped = sorter.sort(&workers, &grid, bounds, &mut particles, &mut scratch);
+            assert_eq!(dropped, Dropped::default());
+            assert_eq!(particles.len, 5000);
+            for (i, &(cell, id, position, velocity)) in expected.iter().enumerate() {
+                assert_eq!((particles.id[i], particles.position_of(i), particles.velocity_of(i)), (id, position, velocity));
+                let range = sorter.starts[cell as usize]..sorter.starts[cell as usize + 1];
+                assert!(range.contains(&(i as u32)));
+            }
+        }
+    }
+
+    #[test]
+    fn dead_and_broken_particles_fall_out() {
+        let grid = Grid::fitting(0.5, Vec3::new(9.0, 5.0, 4.0), 1 << 12);
+        let workers = Workers::new(Some(2)).unwrap();
+        let mut particles = scattered(100);
+        particles.life[3] = 0.0;
+        particles.life[40] = -1.0;
+        particles.position[1][7] = f32::NAN;
+        particles.velocity[2][8] = f32::INFINITY;
+        particles.position[0][99] = 1e9;
+        let gone = [3, 40, 7, 8, 99].map(|i: usize| particles.id[i]);
+        let bounds = [Vec3::splat(-100.0), Vec3::splat(100.0)];
+        let dropped =
+            Sorter::default().sort(&workers, &grid, bounds, &mut particles, &mut Particles::default());
+        assert_eq!(dropped, Dropped { retired: 2, removed: 3 });
+        assert_eq!(particles.len, 95);
+        assert!(particles.id.iter().all(|id| !gone.contains(id)));
+    }
+}

@@ -1,0 +1,104 @@
+//! Samples of walls and bodies, sorted by cell.
+
+use freshet_core::grid::Grid;
+use glam::Vec3;
+
+use crate::lanes::PADDING;
+
+/// Samples in the order of their cells, in the order given within a cell.
+#[derive(Clone, Debug, Default)]
+pub struct SortedSamples {
+    /// First sample of each cell, and the number of samples.
+    pub starts: Vec<u32>,
+    /// Positions, m, padded.
+    pub position: [Vec<f32>; 3],
+    /// Volume weights, m3, padded with zero.
+    pub volume: Vec<f32>,
+    /// Index of each sample in the order given.
+    pub source: Vec<u32>,
+}
+
+impl SortedSamples {
+    /// Sorts samples; reuses memory.
+    pub fn sort(&mut self, grid: &Grid, positions: &[Vec3], volumes: &[f32]) {
+        let count = positions.len();
+        let cells = grid.cells() as usize;
+        self.starts.clear();
+        self.starts.resize(cells + 1, 0);
+        let cell_of = |position: Vec3| grid.index(grid.coordinates(position)) as usize;
+        for &position in positions {
+            self.starts[cell_of(position)] += 1;
+        }
+        let mut total = 0;
+        for start in &mut self.starts {
+            total += std::mem::replace(start, total);
+        }
+        for values in self.position.iter_mut().chain(std::iter::once(&mut self.volume)) {
+            values.clear();
+            values.resize(count + PADDING, 0.0);
+        }
+        self.source.resize(count, 0);
+        for (index, (&position, &volume)) in positions.iter().zip(volumes).enumerate() {
+            // Starts serve as cursors and end up one cell ahead; they are moved back below.
+            let cursor = &mut self.starts[cell_of(position)];
+            let slot = *cursor as usize;
+            *cursor += 1;
+            self.source[slot] = index as u32;
+            self.volume[slot] = volume;
+            for axis in 0..3 {
+                self.position[axis][slot] = position[axis];
+            }
+        }
+        self.starts.copy_within(0..cells, 1);
+        self.starts[0] = 0;
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.source.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.source.is_empty()
+    }
+
+    /// Position of the sample in a slot, m.
+    pub fn position_of(&self, slot: usize) -> Vec3 {
+        Vec3::new(self.position[0][slot], self.position[1][slot], self.position[2][slot])
+    }
+
+    /// Bytes allocated.
+    pub fn bytes(&self) -> u64 {
+        let reals: usize = self.position.iter().chain(std::iter::once(&self.volume)).map(Vec::capacity).sum();
+        4 * (reals + self.source.capacity() + self.starts.capacity()) as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_grouped_by_cell_and_stable() {
+        let grid = Grid::fitting(1.0, Vec3::splat(6.0), 1 << 20);
+        let positions: Vec<Vec3> =
+            (0..100).map(|i| Vec3::new((i * 7 % 13) as f32, (i * 5 % 11) as f32, (i % 3) as f32) * 0.7).collect();
+        let volumes: Vec<f32> = (0..100).map(|i| i as f32).collect();
+        let mut sorted = SortedSamples::default();
+        for _ in 0..2 {
+            sorted.sort(&grid, &positions, &volumes);
+        }
+        assert_eq!(sorted.starts[grid.cells() as usize], 100);
+        for cell in 0..grid.cells() as usize {
+            let range = sorted.starts[cell] as usize..sorted.starts[cell + 1] as usize;
+            assert!(sorted.source[range.clone()].is_sorted());
+            for slot in range {
+                let source = sorted.source[slot] as usize;
+                assert_eq!(grid.index(grid.coordinates(positions[source])) as usize, cell);
+                assert_eq!(sorted.position_of(slot), positions[source]);
+                assert_eq!(sorted.volume[slot], volumes[source]);
+            }
+        }
+    }
+}

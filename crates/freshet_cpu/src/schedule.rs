@@ -1,0 +1,48 @@
+//! Lowering: which passes the plan's stages become on the CPU, and what memory they hold.
+
+use freshet_core::kernel::KernelKind;
+use freshet_core::plan::{Plan, StageKind};
+use freshet_core::solver::{Schedule, ScheduledBuffer, ScheduledPass, SolverError};
+
+/// The passes of a plan, without buffers (their sizes follow the particles).
+///
+/// # Errors
+/// If a method of the plan does not exist on the CPU.
+pub fn lower(plan: &Plan) -> Result<Vec<ScheduledPass>, SolverError> {
+    if plan.parameters.kernel == KernelKind::Viscosity {
+        return Err(SolverError::Unsupported {
+            backend: "cpu",
+            what: "the viscosity kernel for density and pressure".to_owned(),
+            reason: "it has a Laplacian only; choose another kernel".to_owned(),
+        });
+    }
+    Ok(plan.stages.iter().map(|stage| pass(plan, stage.kind)).collect())
+}
+
+fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
+    let viscous = plan.parameters.artificial_viscosity > 0.0;
+    let bytes_per_particle = match stage {
+        // Key and order written and read, 32 bytes read and written.
+        StageKind::Sort => 4 * 4 + 2 * 32,
+        // Position read, density and pressure term written.
+        StageKind::Density => 12 + 8,
+        // Position and pressure term read, with viscosity also velocity and density; acceleration written.
+        StageKind::Acceleration => 12 + 4 + if viscous { 16 } else { 0 } + 12,
+        // Position and pressure term read near the bodies.
+        StageKind::BodyLoad => 16,
+        // Position, velocity and acceleration read, position and velocity written.
+        StageKind::Integrate => 36 + 24,
+        StageKind::BodySort | StageKind::StepControl | StageKind::BodyMotion => 0,
+    };
+    ScheduledPass { stage, name: stage.name(), bytes_per_particle }
+}
+
+/// A buffer of the schedule.
+pub fn buffer(name: &'static str, bytes: u64, per_particle: bool) -> ScheduledBuffer {
+    ScheduledBuffer { name, bytes, per_particle }
+}
+
+/// The whole schedule.
+pub fn schedule(passes: Vec<ScheduledPass>, buffers: Vec<ScheduledBuffer>, capacity: u32) -> Schedule {
+    Schedule { backend: "cpu", passes, buffers, capacity }
+}

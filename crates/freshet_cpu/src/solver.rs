@@ -1,0 +1,516 @@
+//! The solver: owns the state and runs the plan's stages.
+
+use std::time::{Duration, Instant};
+
+use freshet_core::field::{Field, FieldData};
+use freshet_core::kernel::Kernel;
+use freshet_core::plan::{Parameters, Plan, StageKind};
+use freshet_core::snapshot::{Exchange, Snapshot};
+use freshet_core::solver::{FluidSolver, Schedule, SolverError};
+use freshet_core::step::{Command, NewParticles, PassTime, StepInput, StepReport};
+use glam::Vec3;
+
+use crate::lanes::PADDING;
+use crate::particles::Particles;
+use crate::passes::acceleration::Maxima;
+use crate::passes::body_motion::{MovingBody, remember};
+use crate::passes::body_sort::BodySamples;
+use crate::passes::density::Compression;
+use crate::passes::sort::{Dropped, Sorter};
+use crate::passes::{acceleration, body_load, density, integrate, step_control};
+use crate::samples::SortedSamples;
+use crate::schedule;
+use crate::simd_kernel::dispatch;
+use crate::workers::{Workers, split};
+
+/// Which vector instructions to use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InstructionSet {
+    /// The widest this processor has.
+    #[default]
+    Widest,
+    /// None: one value at a time. For comparison.
+    Scalar,
+}
+
+/// How the solver uses the machine.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct CpuOptions {
+    /// Threads of its own; none shares rayon's, one for each core.
+    pub threads: Option<usize>,
+    /// Vector instructions.
+    pub instruction_set: InstructionSet,
+}
+
+/// Weakly compressible SPH on CPU cores.
+pub struct CpuSolver {
+    plan: Plan,
+    schedule: Schedule,
+    workers: Workers,
+    arch: pulp::Arch,
+    particles: Particles,
+    scratch: Particles,
+    sorter: Sorter,
+    density: Vec<f32>,
+    pressure_term: Vec<f32>,
+    acceleration: [Vec<f32>; 3],
+    walls: SortedSamples,
+    body_samples: BodySamples,
+    bodies: Vec<MovingBody>,
+    exchanges: Vec<[Exchange; 4]>,
+    gravity: Vec3,
+    tick: u64,
+    time: f64,
+    carry: f32,
+    next_id: u32,
+    mortal: bool,
+}
+
+/// Sums and extremes over a tick.
+#[derive(Default)]
+struct Tally {
+    substeps: u32,
+    smallest: f32,
+    mean_compression: f32,
+    max_compression: f32,
+    max_speed: f32,
+    dropped: Dropped,
+    times: Vec<(&'static str, Duration)>,
+}
+
+impl Tally {
+    fn timed<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
+        let begin = Instant::now();
+        let result = work();
+        let spent = begin.elapsed();
+        match self.times.iter_mut().find(|(other, _)| *other == name) {
+            Some((_, total)) => *total += spent,
+            None => self.times.push((name, spent)),
+        }
+        result
+    }
+}
+
+impl CpuSolver {
+    /// Starts a plan with its particles.
+    ///
+    /// # Errors
+    /// If the plan asks for what the CPU does not have, or threads cannot be made.
+    pub fn new(plan: Plan, options: CpuOptions) -> Result<Self, SolverError> {
+        let passes = schedule::lower(&plan)?;
+        let workers = Workers::new(options.threads).map_err(SolverError::Device)?;
+        let arch = match options.instruction_set {
+            InstructionSet::Widest => pulp::Arch::new(),
+            InstructionSet::Scalar => pulp::Arch::Scalar,
+        };
+        let mut particles = Particles::default();
+        for (index, (&position, &velocity)) in plan.positions.iter().zip(&plan.velocities).enumerate() {
+            particles.push(index as u32, position, velocity, f32::INFINITY);
+        }
+        let mut solver = Self {
+            schedule: schedule::schedule(passes, Vec::new(), plan.max_particles),
+            workers,
+            arch,
+            next_id: particles.len as u32,
+            particles,
+            scratch: Particles::default(),
+            sorter: Sorter::default(),
+            density: Vec::new(),
+            pressure_term: Vec::new(),
+            acceleration: Default::default(),
+            walls: SortedSamples::default(),
+            body_samples: BodySamples::default(),
+            bodies: Vec::new(),
+            exchanges: Vec::new(),
+            gravity: plan.parameters.gravity,
+            tick: 0,
+            time: 0.0,
+            carry: 0.0,
+            mortal: false,
+            plan,
+        };
+        solver.take_plan();
+        Ok(solver)
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Number of threads.
+    pub fn threads(&self) -> usize {
+        self.workers.threads()
+    }
+
+    /// What follows from the plan and is not state.
+    fn take_plan(&mut self) {
+        self.walls.sort(&self.plan.grid, &self.plan.boundary.positions, &self.plan.boundary.volumes);
+        self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
+        self.bodies.clear();
+        self.measure_memory();
+    }
+
+    fn measure_memory(&mut self) {
+        let real = |values: &[Vec<f32>]| 4 * values.iter().map(Vec::capacity).sum::<usize>() as u64;
+        let stage = real(std::slice::from_ref(&self.density))
+            + real(std::slice::from_ref(&self.pressure_term))
+            + real(&self.acceleration);
+        self.schedule.buffers = vec![
+            schedule::buffer("particles", self.particles.bytes(), true),
+            schedule::buffer("particles_sorted", self.scratch.bytes(), true),
+            schedule::buffer("stage_fields", stage, true),
+            schedule::buffer("sort", self.sorter.bytes(), true),
+        ];
+        if !self.walls.is_empty() {
+            self.schedule.buffers.push(schedule::buffer("walls", self.walls.bytes(), false));
+        }
+        if !self.plan.bodies.is_empty() {
+            self.schedule.buffers.push(schedule::buffer("bodies", self.body_samples.sorted.bytes(), false));
+        }
+        self.schedule.capacity = self.particles.len as u32;
+    }
+
+    fn command(&mut self, command: &Command, report: &mut StepReport) {
+        match command {
+            Command::Spawn(new) => report.refused += self.spawn(new),
+            Command::RemoveIds { first, count } => {
+                let range = *first..first.saturating_add(*count);
+                self.retire(|particles, i| range.contains(&particles.id[i]));
+            }
+            Command::RemoveInBox { min, max } => self.retire(|particles, i| {
+                let position = particles.position_of(i);
+                position.cmpge(*min).all() && position.cmple(*max).all()
+            }),
+            Command::SetGravity(gravity) => self.gravity = *gravity,
+        }
+    }
+
+    fn spawn(&mut self, new: &NewParticles) -> u32 {
+        let room = (self.plan.max_particles as usize).saturating_sub(self.particles.len);
+        let count = new.positions.len().min(room);
+        for (&position, &velocity) in new.positions.iter().zip(&new.velocities).take(count) {
+            self.particles.push(self.next_id, position, velocity, new.lifetime);
+            self.next_id = self.next_id.wrapping_add(1);
+        }
+        self.mortal |= new.lifetime.is_finite();
+        (new.positions.len() - count) as u32
+    }
+
+    fn retire(&mut self, chosen: impl Fn(&Particles, usize) -> bool) {
+        for i in 0..self.particles.len {
+            if chosen(&self.particles, i) {
+                self.particles.life[i] = -1.0;
+            }
+        }
+    }
+
+    /// One substep of at most `remaining` seconds; returns its length.
+    fn substep(&mut self, remaining: f32, tally: &mut Tally) -> f32 {
+        let gone = tally.timed("sort", || self.sort());
+        tally.dropped.retired += gone.retired;
+        tally.dropped.removed += gone.removed;
+        if self.plan.has(StageKind::BodySort) {
+            tally.timed("body_sort", || self.body_samples.update(&self.plan.grid, &self.plan.bodies, &self.bodies));
+        }
+        let compression = tally.timed("density", || self.density_stage());
+        let maxima = tally.timed("acceleration", || self.acceleration_stage());
+        let loads = if self.plan.has(StageKind::BodyLoad) {
+            tally.timed("body_load", || self.body_load_stage())
+        } else {
+            Vec::new()
+        };
+        let dt = tally.timed("step_control", || {
+            step_control::substep(&self.plan.parameters, &maxima, &self.bodies, remaining)
+        });
+        tally.timed("body_motion", || {
+            for (body, (force, torque)) in self.bodies.iter_mut().zip(loads) {
+                body.advance(force, torque, dt);
+            }
+        });
+        tally.timed("integrate", || {
+            let chunks = &self.sorter.chunks;
+            integrate::integrate(&self.workers, chunks, &mut self.particles, &self.acceleration, self.mortal, dt);
+        });
+        tally.substeps += 1;
+        tally.smallest = if tally.substeps == 1 { dt } else { tally.smallest.min(dt) };
+        let mean = compression.sum as f64 / 1_048_576.0 / self.particles.len.max(1) as f64;
+        tally.mean_compression = tally.mean_compression.max(mean as f32);
+        tally.max_compression = tally.max_compression.max(compression.largest);
+        tally.max_speed = maxima.speed_squared.sqrt();
+        dt
+    }
+
+    fn sort(&mut self) -> Dropped {
+        let parameters = &self.plan.parameters;
+        let bounds = [parameters.bounds_min, parameters.bounds_max];
+        let gone =
+            self.sorter.sort(&self.workers, &self.plan.grid, bounds, &mut self.particles, &mut self.scratch);
+        let padded = self.particles.len + PADDING;
+        for values in [&mut self.density, &mut self.pressure_term].into_iter().chain(&mut self.acceleration) {
+            values.resize(padded, 0.0);
+        }
+        gone
+    }
+
+    fn density_stage(&mut self) -> Compression {
+        let parameters = &self.plan.parameters;
+        let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
+        let samples: Vec<&SortedSamples> =
+            [&self.walls, &self.body_samples.sorted].into_iter().filter(|samples| !samples.is_empty()).collect();
+        let inputs = density::Inputs {
+            arch: self.arch,
+            grid: &self.plan.grid,
+            starts: &self.sorter.starts,
+            particles: &self.particles,
+            samples: &samples,
+            fluid_factor: parameters.particle_mass * scale,
+            sample_factor: parameters.rest_density * scale,
+            law: parameters.pressure_law,
+            rest_density: parameters.rest_density,
+        };
+        let live = self.particles.len;
+        let densities = split(&mut self.density[..live], &self.sorter.chunks);
+        let terms = split(&mut self.pressure_term[..live], &self.sorter.chunks);
+        let tasks: Vec<_> = self
+            .sorter
+            .chunks
+            .iter()
+            .zip(densities.into_iter().zip(terms))
+            .map(|(chunk, (density, pressure_term))| density::Task { inputs, chunk, density, pressure_term })
+            .collect();
+        let kernel = parameters.kernel;
+        let parts = self.workers.map(tasks, |task| dispatch(kernel, task));
+        parts.iter().fold(Compression { largest: -1.0, sum: 0 }, |sum, part| Compression {
+            largest: sum.largest.max(part.largest),
+            sum: sum.sum + part.sum,
+        })
+    }
+
+    fn acceleration_stage(&mut self) -> Maxima {
+        let parameters = &self.plan.parameters;
+        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let samples: Vec<&SortedSamples> =
+            [&self.walls, &self.body_samples.sorted].into_iter().filter(|samples| !samples.is_empty()).collect();
+        let h = parameters.smoothing_length;
+        let inputs = acceleration::Inputs {
+            arch: self.arch,
+            grid: &self.plan.grid,
+            starts: &self.sorter.starts,
+            particles: &self.particles,
+            samples: &samples,
+            density: &self.density,
+            pressure_term: &self.pressure_term,
+            fluid_factor: -parameters.particle_mass * scale,
+            sample_factor: -parameters.rest_density * scale,
+            viscosity: 2.0 * parameters.artificial_viscosity * parameters.sound_speed * h,
+            softening: 0.01 * h * h,
+            gravity: self.gravity,
+        };
+        let live = self.particles.len;
+        let [x, y, z] = &mut self.acceleration;
+        let [x, y, z] = [x, y, z].map(|values| split(&mut values[..live], &self.sorter.chunks).into_iter());
+        let tasks: Vec<_> = self
+            .sorter
+            .chunks
+            .iter()
+            .zip(x.zip(y).zip(z))
+            .map(|(chunk, ((x, y), z))| acceleration::Task { inputs, chunk, acceleration: [x, y, z] })
+            .collect();
+        let kernel = parameters.kernel;
+        let parts = self.workers.map(tasks, |task| dispatch(kernel, task));
+        parts.iter().fold(Maxima::default(), |largest, part| Maxima {
+            speed_squared: largest.speed_squared.max(part.speed_squared),
+            acceleration_squared: largest.acceleration_squared.max(part.acceleration_squared),
+        })
+    }
+
+    /// Force (N) and torque about the centre of mass (N m) of the fluid on each body.
+    fn body_load_stage(&mut self) -> Vec<(Vec3, Vec3)> {
+        let parameters = &self.plan.parameters;
+        let samples = &self.body_samples.sorted;
+        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let factor = parameters.particle_mass * parameters.rest_density * scale;
+        let count = samples.len();
+        let tasks: Vec<_> = (0..count)
+            .step_by(64)
+            .map(|first| body_load::Task {
+                arch: self.arch,
+                grid: &self.plan.grid,
+                starts: &self.sorter.starts,
+                particles: &self.particles,
+                pressure_term: &self.pressure_term,
+                samples,
+                slots: (first, (first + 64).min(count)),
+                factor,
+            })
+            .collect();
+        let kernel = parameters.kernel;
+        let mut forces = vec![Vec3::ZERO; count];
+        let parts = self.workers.map(tasks, |task| dispatch(kernel, task));
+        for (&source, force) in samples.source.iter().zip(parts.into_iter().flatten()) {
+            forces[source as usize] = force;
+        }
+        // Summed in the samples' own order and in double precision: independent of threads and sorting.
+        let mut first = 0;
+        let mut loads = Vec::with_capacity(self.bodies.len());
+        for (planned, body) in self.plan.bodies.iter().zip(&self.bodies) {
+            let range = first..first + planned.samples.len();
+            first = range.end;
+            let (mut force, mut torque) = (glam::DVec3::ZERO, glam::DVec3::ZERO);
+            for (on_sample, at) in forces[range.clone()].iter().zip(&self.body_samples.positions()[range]) {
+                force += on_sample.as_dvec3();
+                torque += (*at - body.position).cross(*on_sample).as_dvec3();
+            }
+            loads.push((force.as_vec3(), torque.as_vec3()));
+        }
+        loads
+    }
+}
+
+/// `A / H^power`, the constant of a kernel's value (3) or of its derivative over r (5).
+fn kernel_scale(parameters: &Parameters, power: i32) -> f32 {
+    (parameters.kernel.normalisation() / f64::from(parameters.support_radius).powi(power)) as f32
+}
+
+impl FluidSolver for CpuSolver {
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
+    fn step(&mut self, input: &StepInput) -> Result<StepReport, SolverError> {
+        input.validate(self.plan.bodies.len())?;
+        let begin = Instant::now();
+        let mut report = StepReport { tick: input.tick, ..StepReport::default() };
+        for command in &input.commands {
+            self.command(command, &mut report);
+        }
+        self.bodies = input
+            .bodies
+            .iter()
+            .zip(&self.exchanges)
+            .map(|(body, exchanges)| MovingBody::begin(body, exchanges, input.tick, input.duration))
+            .collect();
+
+        let asked = input.duration + self.carry;
+        let mut covered = 0.0f32;
+        let mut tally = Tally::default();
+        // Past the budget time slows down; past the substep limit the rest waits for the next tick.
+        self.carry = loop {
+            covered += self.substep(asked - covered, &mut tally);
+            let left = asked - covered;
+            let spent = begin.elapsed().as_secs_f32() * 1e3;
+            if left <= 1e-6 * asked || self.plan.budget_milliseconds.is_some_and(|budget| spent >= budget) {
+                break 0.0;
+            }
+            if tally.substeps >= self.plan.parameters.max_substeps {
+                break left.min(StepInput::MAX_DURATION);
+            }
+        };
+        self.tick = input.tick + 1;
+        self.time += f64::from(covered);
+        for ((body, exchanges), given) in self.bodies.iter().zip(&mut self.exchanges).zip(&input.bodies) {
+            remember(exchanges, input.tick, body.impulse, given.forecast);
+        }
+        if tally.dropped.retired + tally.dropped.removed > 0 {
+            self.particles.shrink();
+            self.scratch.shrink();
+        }
+        self.measure_memory();
+
+        report.particles = self.particles.len as u32;
+        report.substeps = tally.substeps;
+        report.smallest_substep = tally.smallest;
+        report.simulated = f64::from(covered);
+        report.time_scale = if asked > 0.0 { covered / asked } else { 1.0 };
+        report.mean_compression = tally.mean_compression;
+        report.max_compression = tally.max_compression;
+        report.max_speed = tally.max_speed;
+        report.removed = tally.dropped.removed;
+        report.retired = tally.dropped.retired;
+        report.bodies = self.bodies.iter().map(|body| body.impulse).collect();
+        report.passes = tally
+            .times
+            .iter()
+            .filter(|(name, _)| self.schedule.passes.iter().any(|pass| pass.name == *name))
+            .map(|(name, time)| PassTime { pass: (*name).to_owned(), milliseconds: time.as_secs_f32() * 1e3 })
+            .collect();
+        Ok(report)
+    }
+
+    fn read(&mut self, field: Field) -> Result<FieldData, SolverError> {
+        if !self.plan.fields.contains(&field) {
+            return Err(SolverError::NoSuchField(field.name()));
+        }
+        let live = self.particles.len;
+        if field.origin() == freshet_core::field::FieldOrigin::Stage && self.density.len() < live + PADDING {
+            return Err(SolverError::NoSuchField("before the first tick: density, pressure, acceleration"));
+        }
+        let particles = &self.particles;
+        Ok(match field {
+            Field::Id => FieldData::Integer(particles.id.clone()),
+            Field::Position => FieldData::Vector((0..live).map(|i| particles.position_of(i)).collect()),
+            Field::Velocity => FieldData::Vector((0..live).map(|i| particles.velocity_of(i)).collect()),
+            Field::Density => FieldData::Scalar(self.density[..live].to_vec()),
+            Field::Pressure => FieldData::Scalar(
+                (0..live).map(|i| self.pressure_term[i] * self.density[i] * self.density[i]).collect(),
+            ),
+            Field::Acceleration => FieldData::Vector(
+                (0..live)
+                    .map(|i| Vec3::new(self.acceleration[0][i], self.acceleration[1][i], self.acceleration[2][i]))
+                    .collect(),
+            ),
+            Field::Speed => FieldData::Scalar((0..live).map(|i| particles.velocity_of(i).length()).collect()),
+            Field::RemainingLife => FieldData::Scalar(particles.life[..live].to_vec()),
+        })
+    }
+
+    fn snapshot(&mut self) -> Result<Snapshot, SolverError> {
+        let mut order: Vec<usize> = (0..self.particles.len).collect();
+        order.sort_unstable_by_key(|&i| self.particles.id[i]);
+        Ok(Snapshot {
+            tick: self.tick,
+            time: self.time,
+            carry: self.carry,
+            next_id: self.next_id,
+            gravity: self.gravity,
+            ids: order.iter().map(|&i| self.particles.id[i]).collect(),
+            positions: order.iter().map(|&i| self.particles.position_of(i)).collect(),
+            velocities: order.iter().map(|&i| self.particles.velocity_of(i)).collect(),
+            remaining_lives: order.iter().map(|&i| self.particles.life[i]).collect(),
+            exchanges: self.exchanges.clone(),
+        })
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SolverError> {
+        snapshot.validate()?;
+        let mut particles = Particles::default();
+        for i in 0..snapshot.ids.len() {
+            let (position, velocity) = (snapshot.positions[i], snapshot.velocities[i]);
+            particles.push(snapshot.ids[i], position, velocity, snapshot.remaining_lives[i]);
+        }
+        self.mortal = snapshot.remaining_lives.iter().any(|life| life.is_finite());
+        self.particles = particles;
+        self.density.clear();
+        self.tick = snapshot.tick;
+        self.time = snapshot.time;
+        self.carry = snapshot.carry;
+        self.next_id = snapshot.next_id;
+        self.gravity = snapshot.gravity;
+        self.exchanges.clone_from(&snapshot.exchanges);
+        self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
+        Ok(())
+    }
+
+    fn reconfigure(&mut self, plan: Plan) -> Result<(), SolverError> {
+        self.schedule.passes = schedule::lower(&plan)?;
+        Kernel::new(plan.parameters.kernel, plan.parameters.support_radius)?;
+        self.plan = plan;
+        self.take_plan();
+        Ok(())
+    }
+}
