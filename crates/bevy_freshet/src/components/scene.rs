@@ -1,0 +1,96 @@
+//! Scenes of the model, such as those in files, as entities.
+
+use bevy::prelude::*;
+use freshet_core::error::InvalidInput;
+use freshet_core::kernel::support_radius_for_neighbours;
+use freshet_core::scene::{BoundaryShape, FluidScene, Resolution, Shape, Support, Volume};
+
+use super::boundary::{FluidBoundary, FluidBoundaryShape};
+use super::container::FluidContainer;
+use super::domain::FluidDomain;
+use super::emitter::FluidEmitter;
+use super::material::Fluid;
+use super::membership::FluidInDomain;
+use super::settings::FluidSettings;
+use super::volume::{FluidShape, FluidVolume};
+
+/// Spawns whole scenes.
+pub trait FluidSceneCommands {
+    /// Spawns a domain and what belongs to it (as its children, so that despawning the domain despawns all); returns the
+    /// domain. `change` is called with the domain before it is spawned, to choose backend and mode.
+    ///
+    /// # Errors
+    /// A value out of range, or bodies: those of a scene are samples without mass; spawn rapier bodies with
+    /// [`FluidBody`](super::body::FluidBody) instead.
+    fn spawn_fluid_scene(
+        &mut self,
+        scene: &FluidScene,
+        change: impl FnOnce(&mut FluidDomain),
+    ) -> Result<Entity, InvalidInput>;
+}
+
+impl FluidSceneCommands for Commands<'_, '_> {
+    fn spawn_fluid_scene(
+        &mut self,
+        scene: &FluidScene,
+        change: impl FnOnce(&mut FluidDomain),
+    ) -> Result<Entity, InvalidInput> {
+        scene.validate()?;
+        if !scene.bodies.is_empty() {
+            return Err(InvalidInput::new("bodies", scene.bodies.len(), "none; spawn rapier bodies with FluidBody"));
+        }
+        let spacing = match scene.resolution {
+            Resolution::Spacing(spacing) => spacing,
+            Resolution::Particles(count) => {
+                (scene.volumes.iter().map(Volume::size).sum::<f32>() / count as f32).cbrt()
+            }
+        };
+        let support_ratio = match scene.settings.support {
+            Support::Ratio(ratio) => ratio,
+            Support::Neighbours(count) => support_radius_for_neighbours(spacing, count)? / spacing,
+        };
+        let mut domain = FluidDomain {
+            gravity: Some(scene.gravity),
+            max_particles: scene.settings.max_particles,
+            budget_milliseconds: scene.settings.budget_milliseconds,
+            max_substeps: scene.settings.max_substeps,
+            settings: FluidSettings::from_settings(&scene.settings, support_ratio),
+            ..FluidDomain::with_spacing(spacing)
+        };
+        change(&mut domain);
+        let domain = self.spawn((domain, Name::new(format!("fluid {}", scene.name)))).id();
+        let member = || (ChildOf(domain), FluidInDomain(domain));
+        let fluid = Fluid::from(scene.material.clone());
+        for volume in &scene.volumes {
+            let shape = match volume.shape {
+                Shape::Box { half_extents } => FluidShape::Cuboid { half_size: half_extents },
+                Shape::Sphere { radius } => FluidShape::Sphere { radius },
+            };
+            let pose = Transform::from_translation(volume.center).with_rotation(volume.rotation);
+            self.spawn((FluidVolume { shape, velocity: volume.velocity, hydrostatic: volume.hydrostatic }, fluid.clone(), pose, member()));
+        }
+        for emitter in &scene.emitters {
+            let pose = Transform::from_translation(emitter.center)
+                .with_rotation(Quat::from_rotation_arc(Vec3::NEG_Z, emitter.direction.normalize()));
+            let emitter = FluidEmitter::disc(emitter.radius, emitter.speed, emitter.lifetime);
+            self.spawn((emitter, fluid.clone(), pose, member()));
+        }
+        for boundary in &scene.boundaries {
+            let pose = Transform::from_translation(boundary.center).with_rotation(boundary.rotation);
+            let mut entity = self.spawn((pose, member()));
+            match boundary.shape {
+                BoundaryShape::Container { half_extents, open } => {
+                    entity.insert(FluidContainer { size: 2.0 * half_extents, open, collider: true });
+                }
+                BoundaryShape::Box { half_extents } => {
+                    entity.insert(FluidBoundary { shape: FluidBoundaryShape::Cuboid { half_size: half_extents } });
+                }
+                BoundaryShape::Plane { half_extents } => {
+                    let half_size = half_extents.into();
+                    entity.insert(FluidBoundary { shape: FluidBoundaryShape::Plane { half_size } });
+                }
+            }
+        }
+        Ok(domain)
+    }
+}

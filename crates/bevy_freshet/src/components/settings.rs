@@ -1,0 +1,200 @@
+//! How a fluid is simulated: the model's settings, as Bevy can reflect them.
+
+use bevy::prelude::*;
+use freshet_core::equation_of_state::EquationOfState;
+use freshet_core::kernel::KernelKind;
+use freshet_core::scene::{Settings, Support};
+
+/// How a fluid is simulated. The defaults are those of every chart and benchmark of Freshet.
+#[derive(Clone, Debug, PartialEq, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub struct FluidSettings {
+    /// Smoothing kernel; not [`FluidKernel::Viscosity`], which has a Laplacian only.
+    pub kernel: FluidKernel,
+    /// Reach of the kernel over the spacing, 1.5 to 4.
+    pub support_ratio: f32,
+    /// Pressure as a function of density; none takes Tait's with the sound speed.
+    pub equation_of_state: Option<FluidEquationOfState>,
+    /// Whether negative pressures are set to zero, so that fluid does not pull at itself.
+    pub clamp_negative_pressure: bool,
+    /// Speed of sound, m/s, 1e-3 to 1e5; none takes ten times the expected speed.
+    pub sound_speed: Option<f32>,
+    /// Largest speed the flow is expected to reach, m/s, 1e-4 to 1e4; none derives it from heights and velocities.
+    pub expected_speed: Option<f32>,
+    /// Allows a sound speed below ten times the expected speed; [`FluidStats::notes`](super::stats::FluidStats) says so.
+    pub allow_compressible: bool,
+    /// Monaghan's artificial viscosity alpha, 0 to 1.
+    pub artificial_viscosity: f32,
+    /// Substep over `h / (c + v)`, 0.01 to 1; `h` is half the reach of the kernel.
+    pub courant_factor: f32,
+    /// Substep over `sqrt(h / a)`, 0.01 to 1.
+    pub force_factor: f32,
+    /// Substep over `h^2 / nu`, 0.01 to 1.
+    pub viscous_factor: f32,
+    /// Where particles may be, lower and upper corner in the domain's frame, m; outside they are removed. None: four
+    /// times the size of fluid and walls around them.
+    pub bounds: Option<(Vec3, Vec3)>,
+}
+
+impl Default for FluidSettings {
+    fn default() -> Self {
+        Self::from_settings(&Settings::default(), 2.0)
+    }
+}
+
+impl FluidSettings {
+    /// The model's settings, with the reach of the kernel over the spacing, which may have been given otherwise.
+    pub(crate) fn from_settings(settings: &Settings, support_ratio: f32) -> Self {
+        Self {
+            kernel: settings.kernel.into(),
+            support_ratio,
+            equation_of_state: settings.equation_of_state.map(Into::into),
+            clamp_negative_pressure: settings.clamp_negative_pressure,
+            sound_speed: settings.sound_speed,
+            expected_speed: settings.expected_speed,
+            allow_compressible: settings.allow_compressible,
+            artificial_viscosity: settings.artificial_viscosity,
+            courant_factor: settings.courant_factor,
+            force_factor: settings.force_factor,
+            viscous_factor: settings.viscous_factor,
+            bounds: settings.bounds,
+        }
+    }
+
+    /// The same as the model knows it.
+    pub(crate) fn to_settings(&self) -> Settings {
+        Settings {
+            kernel: self.kernel.into(),
+            support: Support::Ratio(self.support_ratio),
+            equation_of_state: self.equation_of_state.map(Into::into),
+            clamp_negative_pressure: self.clamp_negative_pressure,
+            sound_speed: self.sound_speed,
+            expected_speed: self.expected_speed,
+            allow_compressible: self.allow_compressible,
+            artificial_viscosity: self.artificial_viscosity,
+            courant_factor: self.courant_factor,
+            force_factor: self.force_factor,
+            viscous_factor: self.viscous_factor,
+            bounds: self.bounds,
+            ..Settings::default()
+        }
+    }
+}
+
+/// Smoothing kernels; sources and formulas stand at [`KernelKind`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidKernel {
+    /// Cut and shifted Gaussian.
+    Gaussian,
+    /// Cubic B-spline.
+    CubicSpline,
+    /// Quintic B-spline.
+    QuinticSpline,
+    /// Quadratic.
+    Quadratic,
+    /// Quartic.
+    Quartic,
+    /// Wendland C2.
+    #[default]
+    WendlandC2,
+    /// Poly6.
+    Poly6,
+    /// Spiky.
+    Spiky,
+    /// Viscosity kernel.
+    Viscosity,
+}
+
+impl From<FluidKernel> for KernelKind {
+    fn from(kernel: FluidKernel) -> Self {
+        match kernel {
+            FluidKernel::Gaussian => Self::Gaussian,
+            FluidKernel::CubicSpline => Self::CubicSpline,
+            FluidKernel::QuinticSpline => Self::QuinticSpline,
+            FluidKernel::Quadratic => Self::Quadratic,
+            FluidKernel::Quartic => Self::Quartic,
+            FluidKernel::WendlandC2 => Self::WendlandC2,
+            FluidKernel::Poly6 => Self::Poly6,
+            FluidKernel::Spiky => Self::Spiky,
+            FluidKernel::Viscosity => Self::Viscosity,
+        }
+    }
+}
+
+impl From<KernelKind> for FluidKernel {
+    fn from(kernel: KernelKind) -> Self {
+        match kernel {
+            KernelKind::Gaussian => Self::Gaussian,
+            KernelKind::CubicSpline => Self::CubicSpline,
+            KernelKind::QuinticSpline => Self::QuinticSpline,
+            KernelKind::Quadratic => Self::Quadratic,
+            KernelKind::Quartic => Self::Quartic,
+            KernelKind::WendlandC2 => Self::WendlandC2,
+            KernelKind::Poly6 => Self::Poly6,
+            KernelKind::Spiky => Self::Spiky,
+            KernelKind::Viscosity => Self::Viscosity,
+        }
+    }
+}
+
+/// Pressure as a function of density; formulas and ranges stand at [`EquationOfState`].
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Clone, Debug, PartialEq)]
+pub enum FluidEquationOfState {
+    /// Ideal gas.
+    IdealGas {
+        /// m2/s2.
+        stiffness: f32,
+    },
+    /// Desbrun and Gascuel.
+    Desbrun {
+        /// m2/s2.
+        stiffness: f32,
+    },
+    /// Harada.
+    Harada {
+        /// Pa.
+        reference_pressure: f32,
+        /// m2/s2.
+        stiffness: f32,
+    },
+    /// Tait.
+    Tait {
+        /// m/s.
+        sound_speed: f32,
+        /// No unit.
+        exponent: f32,
+    },
+    /// Linear.
+    Linear {
+        /// m/s.
+        sound_speed: f32,
+    },
+}
+
+impl From<FluidEquationOfState> for EquationOfState {
+    fn from(equation: FluidEquationOfState) -> Self {
+        match equation {
+            FluidEquationOfState::IdealGas { stiffness } => Self::IdealGas { stiffness },
+            FluidEquationOfState::Desbrun { stiffness } => Self::Desbrun { stiffness },
+            FluidEquationOfState::Harada { reference_pressure, stiffness } => {
+                Self::Harada { reference_pressure, stiffness }
+            }
+            FluidEquationOfState::Tait { sound_speed, exponent } => Self::Tait { sound_speed, exponent },
+            FluidEquationOfState::Linear { sound_speed } => Self::Linear { sound_speed },
+        }
+    }
+}
+
+impl From<EquationOfState> for FluidEquationOfState {
+    fn from(equation: EquationOfState) -> Self {
+        match equation {
+            EquationOfState::IdealGas { stiffness } => Self::IdealGas { stiffness },
+            EquationOfState::Desbrun { stiffness } => Self::Desbrun { stiffness },
+            EquationOfState::Harada { reference_pressure, stiffness } => Self::Harada { reference_pressure, stiffness },
+            EquationOfState::Tait { sound_speed, exponent } => Self::Tait { sound_speed, exponent },
+            EquationOfState::Linear { sound_speed } => Self::Linear { sound_speed },
+        }
+    }
+}

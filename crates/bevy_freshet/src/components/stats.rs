@@ -1,0 +1,55 @@
+//! What the solver says of itself.
+
+use bevy::prelude::*;
+
+use super::domain::FluidBackend;
+
+/// Statistics of a domain's latest known tick; written by the plugin.
+#[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct FluidStats {
+    /// What simulates; [`FluidBackend::Auto`] as long as nothing does.
+    pub backend: FluidBackend,
+    /// Ticks known, or zero: the number of the next tick after the one described here.
+    pub ticks: u64,
+    /// Ticks asked for and not known yet, 0 to 3.
+    pub ticks_in_flight: u64,
+    /// Simulated time, s.
+    pub time: f64,
+    /// Live particles.
+    pub particles: u32,
+    /// Particles there is room for.
+    pub capacity: u32,
+    /// Substeps of the tick.
+    pub substeps: u32,
+    /// Time covered over time asked for; 1 when real time is kept.
+    pub time_scale: f32,
+    /// Mean over particles of `max(density / rest_density - 1, 0)`, the largest of the tick's substeps.
+    pub mean_compression: f32,
+    /// Largest `density / rest_density - 1` of any particle in the tick.
+    pub max_compression: f32,
+    /// Largest speed, m/s.
+    pub max_speed: f32,
+    /// Particles removed so far because they left the bounds or were not finite.
+    pub removed: u64,
+    /// Particles retired so far because their lifetime was over or they were told to.
+    pub retired: u64,
+    /// Particles not made so far because the capacity was reached.
+    pub refused: u64,
+    /// Time the solver took for the tick, ms: wall time on the CPU, the sum of time stamps on the GPU (zero without them).
+    pub milliseconds: f32,
+    /// Cost of each pass in the tick, where it was measured.
+    pub passes: Vec<FluidPassTime>,
+    /// What the plan decided or warns of, such as a sound speed below ten times the expected speed.
+    pub notes: Vec<String>,
+}
+
+/// Cost of one pass in one tick.
+#[derive(Clone, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub struct FluidPassTime {
+    /// Name of the pass.
+    pub pass: String,
+    /// Sum over the tick's substeps, ms.
+    pub milliseconds: f32,
+}

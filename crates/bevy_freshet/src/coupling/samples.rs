@@ -1,0 +1,92 @@
+//! Samples the surfaces of bodies.
+
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::{RapierRigidBodyHandle, WriteRapierContext};
+use bevy_rapier3d::rapier::dynamics::RigidBody;
+use bevy_rapier3d::rapier::geometry::ColliderSet;
+use bevy_rapier3d::rapier::math::Pose;
+use freshet_core::scene::FluidScene;
+use freshet_rapier::body_from_rigid_body;
+
+use crate::components::body::FluidBody;
+use crate::components::domain::FluidDomain;
+use crate::components::membership::FluidInDomain;
+use crate::components::problem::report;
+use crate::components::settings::{FluidKernel, FluidSettings};
+use crate::simulation::state::BodySamples;
+
+/// What samples depend on; they are made anew when it changes.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub(crate) struct SampledFrom {
+    spacing: f32,
+    kernel: FluidKernel,
+    support_ratio: f32,
+    /// For each collider where its shape is in memory (shapes are never changed in place while shared), whether it is
+    /// solid, and its pose on the body.
+    colliders: Vec<(usize, bool, Option<Pose>)>,
+}
+
+impl SampledFrom {
+    fn new(body: &RigidBody, colliders: &ColliderSet, domain: &FluidDomain) -> Self {
+        let colliders = body.colliders().iter().filter_map(|&handle| colliders.get(handle)).map(|collider| {
+            let address = std::ptr::from_ref(collider.shape()).cast::<()>() as usize;
+            (address, collider.is_enabled() && !collider.is_sensor(), collider.position_wrt_parent().copied())
+        });
+        let FluidSettings { kernel, support_ratio, .. } = domain.settings;
+        Self { spacing: domain.spacing, kernel, support_ratio, colliders: colliders.collect() }
+    }
+}
+
+type Bodies<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        &'static RapierRigidBodyHandle,
+        Option<&'static FluidInDomain>,
+        Option<&'static SampledFrom>,
+        Option<&'static BodySamples>,
+        Option<&'static Name>,
+    ),
+    With<FluidBody>,
+>;
+
+/// Samples bodies that are new or have changed.
+pub(crate) fn sample_bodies(
+    mut commands: Commands,
+    bodies: Bodies,
+    stale: Query<Entity, (With<BodySamples>, Without<FluidBody>)>,
+    domains: Query<&FluidDomain>,
+    mut rapier: WriteRapierContext,
+) {
+    for entity in &stale {
+        commands.entity(entity).try_remove::<(BodySamples, SampledFrom)>();
+    }
+    let Ok(mut context) = rapier.single_mut() else { return };
+    for (entity, handle, member, sampled_from, samples, name) in &bodies {
+        let domain = member.map_or_else(|| domains.single().ok(), |member| domains.get(member.0).ok());
+        let Some(domain) = domain else { continue };
+        let colliders = &context.colliders.colliders;
+        let Some(body) = context.rigidbody_set.bodies.get_mut(handle.0) else { continue };
+        let from = SampledFrom::new(body, colliders, domain);
+        if sampled_from == Some(&from) {
+            continue;
+        }
+        // Rapier does this in its next step; the samples are relative to the centre of mass now.
+        body.recompute_mass_properties_from_colliders(colliders);
+        let name = name.map_or_else(|| format!("entity {entity}"), |name| name.to_string());
+        let scene = FluidScene { settings: domain.settings.to_settings(), ..FluidScene::with_spacing(domain.spacing) };
+        // What is wrong with the domain is said by the planning.
+        let Ok(layer) = scene.wall_layer() else { continue };
+        match body_from_rigid_body(&name, body, colliders, &layer) {
+            Ok(body) => {
+                let version = samples.map_or(0, |samples| samples.version + 1);
+                commands.entity(entity).try_insert((BodySamples { body, version }, from));
+            }
+            Err(error) => {
+                report(&mut commands, entity, "FluidBody", format!("Collider: {error}"));
+                commands.entity(entity).try_remove::<BodySamples>().try_insert(from);
+            }
+        }
+    }
+}

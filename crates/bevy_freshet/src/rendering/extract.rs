@@ -1,0 +1,105 @@
+//! Notes what is to be drawn in this frame.
+
+use std::sync::Arc;
+
+use bevy::camera::visibility::ViewVisibility;
+use bevy::prelude::*;
+use bevy::render::Extract;
+use freshet_core::field::Field;
+
+use super::appearance::FluidAppearance;
+use super::ranges::expected_range;
+use super::uniform::{FluidUniform, GRADIENT_COLORS, field_number};
+use crate::engine::Engine;
+use crate::engine::frame::ParticleFrame;
+use crate::engine::gpu_engine::SharedGpu;
+use crate::simulation::state::DomainState;
+
+/// Where the particles of a domain are.
+pub(crate) enum Particles {
+    /// To be uploaded.
+    Frame(Arc<ParticleFrame>),
+    /// In the solver's buffers.
+    Gpu(SharedGpu),
+}
+
+/// A domain to be drawn.
+pub(crate) struct ExtractedFluid {
+    pub(crate) entity: Entity,
+    pub(crate) uniform: FluidUniform,
+    pub(crate) particles: Particles,
+}
+
+/// All domains to be drawn.
+#[derive(Resource, Default)]
+pub(crate) struct ExtractedFluids(pub(crate) Vec<ExtractedFluid>);
+
+/// The scene's first directional light and its ambient light.
+#[derive(Resource, Default)]
+pub(crate) struct ExtractedSun {
+    pub(crate) towards: Vec3,
+    pub(crate) light: LinearRgba,
+    pub(crate) ambient: LinearRgba,
+}
+
+pub(crate) fn extract_fluids(
+    mut extracted: ResMut<ExtractedFluids>,
+    domains: Extract<Query<(Entity, &DomainState, &FluidAppearance, &GlobalTransform, &InheritedVisibility)>>,
+    fixed: Extract<Res<Time<Fixed>>>,
+) {
+    extracted.0.clear();
+    for (entity, state, appearance, transform, visibility) in &domains {
+        let (Some(engine), Some(plan)) = (&state.engine, &state.plan) else { continue };
+        if !visibility.get() {
+            continue;
+        }
+        let particles = match engine {
+            Engine::Gpu(engine) => Particles::Gpu(engine.shared()),
+            Engine::Cpu(worker) => match worker.frame() {
+                Some(frame) => Particles::Frame(frame),
+                None => continue,
+            },
+        };
+        let coloring = &appearance.coloring;
+        let field = Field::from(coloring.field);
+        let (low, high) = coloring.range.unwrap_or_else(|| expected_range(field, plan));
+        let span = if high == low || !(high - low).is_finite() { 1.0 } else { high - low };
+        let gradient = std::array::from_fn(|i| {
+            coloring.gradient.color(i as f32 / (GRADIENT_COLORS - 1) as f32).to_vec4()
+        });
+        let lag = if appearance.interpolate && state.tick > 0 {
+            fixed.timestep().as_secs_f32() * (1.0 - fixed.overstep_fraction().clamp(0.0, 1.0))
+        } else {
+            0.0
+        };
+        let radius = appearance.radius.clamp(0.05, 2.0);
+        let uniform = FluidUniform {
+            world_from_domain: transform.to_matrix(),
+            gradient,
+            range: Vec2::new(low, 1.0 / span),
+            radius: plan.parameters.spacing * if radius.is_nan() { 0.62 } else { radius },
+            lag,
+            inverse_rest_density: 1.0 / plan.parameters.rest_density,
+            field: field_number(field),
+            ..default()
+        };
+        extracted.0.push(ExtractedFluid { entity, uniform, particles });
+    }
+}
+
+pub(crate) fn extract_sun(
+    mut sun: ResMut<ExtractedSun>,
+    lights: Extract<Query<(Entity, &DirectionalLight, &GlobalTransform, &ViewVisibility)>>,
+    ambient: Extract<Option<Res<GlobalAmbientLight>>>,
+) {
+    *sun = ExtractedSun { towards: Vec3::Y, ..default() };
+    // The first spawned, so that it stays the same when archetypes change.
+    let first = lights.iter().filter(|(.., visibility)| visibility.get()).min_by_key(|(entity, ..)| *entity);
+    if let Some((_, light, transform, _)) = first {
+        sun.towards = transform.back().into();
+        sun.light = LinearRgba::from(light.color) * light.illuminance;
+    }
+    if let Some(ambient) = ambient.as_ref() {
+        sun.ambient = LinearRgba::from(ambient.color) * ambient.brightness;
+    }
+}

@@ -1,0 +1,202 @@
+//! Reads the components of one domain.
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use freshet_core::emitter::Emitter;
+use freshet_core::material::Material;
+use freshet_core::scene::{Boundary, BoundaryShape, Shape, Volume};
+
+use super::pours::Poured;
+use super::problems::Problem;
+use super::recipe::{FreshVolume, Recipe, Source, Wall};
+use super::state::BodySamples;
+use crate::components::boundary::{FluidBoundary, FluidBoundaryShape};
+use crate::components::container::FluidContainer;
+use crate::components::domain::FluidDomain;
+use crate::components::emitter::FluidEmitter;
+use crate::components::material::Fluid;
+use crate::components::membership::FluidInDomain;
+use crate::components::volume::{FluidShape, FluidVolume};
+
+/// Deviation of a scale from 1 that still counts as none; rounding in a hierarchy makes about 1e-6.
+const NO_SCALE: f32 = 1e-3;
+
+type Member = Option<&'static FluidInDomain>;
+
+/// All that can belong to a domain.
+#[derive(SystemParam)]
+pub(crate) struct Sources<'w, 's> {
+    volumes: Query<'w, 's, (Entity, &'static FluidVolume, &'static Fluid, Member, Option<&'static Poured>)>,
+    emitters: Query<'w, 's, (Entity, &'static FluidEmitter, &'static Fluid, Member)>,
+    containers: Query<'w, 's, (Entity, &'static FluidContainer, Member)>,
+    boundaries: Query<'w, 's, (Entity, &'static FluidBoundary, Member)>,
+    bodies: Query<'w, 's, (Entity, &'static BodySamples, Member)>,
+    transforms: TransformHelper<'w, 's>,
+}
+
+/// The rigid frame of an entity in the world, or what is wrong with it.
+pub(crate) fn rigid_frame(transforms: &TransformHelper, entity: Entity) -> Result<Isometry3d, String> {
+    let transform = transforms.compute_global_transform(entity).map_err(|error| error.to_string())?;
+    let (scale, rotation, translation) = transform.to_scale_rotation_translation();
+    // Written so that not-a-number fails.
+    if !((scale - 1.0).abs().max_element() <= NO_SCALE) || !translation.is_finite() || !rotation.is_finite() {
+        return Err(format!(
+            "Transform: scale {scale}, translation {translation} is not allowed; allowed: scale 1, finite numbers"
+        ));
+    }
+    Ok(Isometry3d::new(translation, rotation.normalize()))
+}
+
+impl Sources<'_, '_> {
+    /// Things that do not say which domain they belong to, where there are several.
+    pub(crate) fn ambiguous(&self, domains: usize) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        let mut check = |entity, component, member: Option<&FluidInDomain>| {
+            if domains > 1 && member.is_none() {
+                let message = format!("FluidInDomain: none is not allowed; allowed: one of the {domains} domains");
+                problems.push(Problem::new(entity, component, message));
+            }
+        };
+        self.volumes.iter().for_each(|(entity, _, _, member, _)| check(entity, "FluidVolume", member));
+        self.emitters.iter().for_each(|(entity, _, _, member)| check(entity, "FluidEmitter", member));
+        self.containers.iter().for_each(|(entity, _, member)| check(entity, "FluidContainer", member));
+        self.boundaries.iter().for_each(|(entity, _, member)| check(entity, "FluidBoundary", member));
+        self.bodies.iter().for_each(|(entity, _, member)| check(entity, "FluidBody", member));
+        problems
+    }
+
+    /// The frame of a domain.
+    pub(crate) fn frame(&self, domain: Entity) -> Result<Isometry3d, String> {
+        rigid_frame(&self.transforms, domain)
+    }
+
+    /// Samples of a body.
+    pub(crate) fn body(&self, entity: Entity) -> Option<&BodySamples> {
+        self.bodies.get(entity).ok().map(|(_, samples, _)| samples)
+    }
+
+    /// What the components of a domain ask for. `only`: there is no other domain. `all`: pour poured volumes again.
+    pub(crate) fn recipe(
+        &self,
+        domain: Entity,
+        settings: &FluidDomain,
+        (frame, gravity): (Isometry3d, Vec3),
+        (only, all): (bool, bool),
+        problems: &mut Vec<Problem>,
+    ) -> Recipe {
+        let belongs = |member: Option<&FluidInDomain>| member.map_or(only, |member| member.0 == domain);
+        let to_domain = frame.inverse();
+        let mut gather = Gather { sources: self, to_domain, material: None, problems };
+
+        let mut fresh = Vec::new();
+        let mut volumes: Vec<_> = self.volumes.iter().filter(|item| belongs(item.3)).collect();
+        volumes.sort_by_key(|item| item.0);
+        for (entity, volume, fluid, _, poured) in volumes {
+            let usable = gather.is_of_the_fluid(entity, "FluidVolume", fluid);
+            let done = poured.is_some_and(|poured| {
+                poured.domain == domain && !all && poured.refused.as_ref().is_none_or(|refused| refused == volume)
+            });
+            if usable && !done && let Some(pose) = gather.pose(entity, "FluidVolume") {
+                fresh.push(FreshVolume { entity, volume: to_volume(volume, pose, to_domain) });
+            }
+        }
+        let mut sources = Vec::new();
+        let mut emitters: Vec<_> = self.emitters.iter().filter(|item| belongs(item.3)).collect();
+        emitters.sort_by_key(|item| item.0);
+        for (entity, emitter, fluid, _) in emitters {
+            if gather.is_of_the_fluid(entity, "FluidEmitter", fluid)
+                && let Some(pose) = gather.pose(entity, "FluidEmitter")
+            {
+                sources.push(Source { entity, emitter: to_emitter(emitter, pose) });
+            }
+        }
+        let mut walls = Vec::new();
+        for (entity, container, _) in self.containers.iter().filter(|item| belongs(item.2)) {
+            let shape = BoundaryShape::Container { half_extents: container.size / 2.0, open: container.open };
+            gather.wall(entity, "FluidContainer", shape, &mut walls);
+        }
+        for (entity, boundary, _) in self.boundaries.iter().filter(|item| belongs(item.2)) {
+            let shape = match boundary.shape {
+                FluidBoundaryShape::Cuboid { half_size } => BoundaryShape::Box { half_extents: half_size },
+                FluidBoundaryShape::Plane { half_size } => BoundaryShape::Plane { half_extents: half_size.to_array() },
+            };
+            gather.wall(entity, "FluidBoundary", shape, &mut walls);
+        }
+        // Queries follow archetypes; sorted, the same scene is the same however it was put together.
+        walls.sort_by_key(|wall| wall.entity);
+        let mut bodies: Vec<_> =
+            self.bodies.iter().filter(|item| belongs(item.2)).map(|(entity, samples, _)| (entity, samples.version)).collect();
+        bodies.sort_by_key(|body| body.0);
+
+        let material = gather.material.map_or_else(Material::water, |(_, material)| material);
+        let gravity = frame.rotation.inverse() * gravity;
+        let (spacing, settings) = (settings.spacing, Recipe::settings(settings));
+        Recipe { spacing, settings, material, gravity, walls, sources, bodies, fresh }
+    }
+}
+
+struct Gather<'a, 'w, 's> {
+    sources: &'a Sources<'w, 's>,
+    to_domain: Isometry3d,
+    material: Option<(Entity, Material)>,
+    problems: &'a mut Vec<Problem>,
+}
+
+impl Gather<'_, '_, '_> {
+    fn pose(&mut self, entity: Entity, component: &'static str) -> Option<Isometry3d> {
+        match rigid_frame(&self.sources.transforms, entity) {
+            Ok(frame) => Some(self.to_domain * frame),
+            Err(message) => {
+                self.problems.push(Problem::new(entity, component, message));
+                None
+            }
+        }
+    }
+
+    fn wall(&mut self, entity: Entity, component: &'static str, shape: BoundaryShape, walls: &mut Vec<Wall>) {
+        if let Some(pose) = self.pose(entity, component) {
+            let boundary = Boundary { shape, center: pose.translation.into(), rotation: pose.rotation };
+            walls.push(Wall { entity, component, boundary });
+        }
+    }
+
+    /// The first volume or emitter says what the domain's fluid is; others must agree.
+    fn is_of_the_fluid(&mut self, entity: Entity, component: &'static str, fluid: &Fluid) -> bool {
+        let material = fluid.to_material();
+        match &self.material {
+            None => {
+                self.material = Some((entity, material));
+                true
+            }
+            Some((_, first)) if *first == material => true,
+            Some((other, first)) => {
+                let message = format!(
+                    "Fluid: {} is not allowed; allowed: {}, as in entity {other} of the same domain",
+                    material.name, first.name
+                );
+                self.problems.push(Problem::new(entity, component, message));
+                false
+            }
+        }
+    }
+}
+
+fn to_volume(volume: &FluidVolume, pose: Isometry3d, to_domain: Isometry3d) -> Volume {
+    let shape = match volume.shape {
+        FluidShape::Cuboid { half_size } => Shape::Box { half_extents: half_size },
+        FluidShape::Sphere { radius } => Shape::Sphere { radius },
+    };
+    let velocity = to_domain.rotation * volume.velocity;
+    Volume { shape, center: pose.translation.into(), rotation: pose.rotation, velocity, hydrostatic: volume.hydrostatic }
+}
+
+/// An emitter at a pose in the domain's frame; it flows along its forward axis, -z.
+pub(crate) fn to_emitter(emitter: &FluidEmitter, pose: Isometry3d) -> Emitter {
+    Emitter {
+        center: pose.translation.into(),
+        direction: pose.rotation * Vec3::NEG_Z,
+        radius: emitter.radius,
+        speed: emitter.speed,
+        lifetime: emitter.lifetime,
+    }
+}

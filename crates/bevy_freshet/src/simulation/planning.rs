@@ -1,0 +1,93 @@
+//! Notices what changed and has it planned.
+
+use bevy::prelude::*;
+use freshet_core::step::Command;
+
+use super::attempt::plan_without_the_wrong;
+use super::backend::Hardware;
+use super::collecting::wait_for_all;
+use super::gather::Sources;
+use super::orders::carry_out;
+use super::pours::Poured;
+use super::problems::{Problem, Problems};
+use super::recipe::Recipe;
+use super::state::{DefaultGravity, DomainState};
+use crate::components::domain::{FluidBackend, FluidDomain};
+use crate::components::stats::FluidStats;
+use crate::components::volume::FluidVolume;
+
+/// Brings every domain's plan up to date with its components.
+pub(crate) fn plan_domains(
+    mut commands: Commands,
+    mut domains: Query<(Entity, &FluidDomain, &mut DomainState, &mut FluidStats)>,
+    volumes: Query<&FluidVolume>,
+    sources: Sources,
+    hardware: Hardware,
+    default_gravity: Res<DefaultGravity>,
+    mut problems: ResMut<Problems>,
+) {
+    let count = domains.iter().len();
+    let mut current = sources.ambiguous(count);
+    for (entity, domain, mut state, mut stats) in &mut domains {
+        let frame = match sources.frame(entity) {
+            Ok(frame) => frame,
+            Err(message) => {
+                current.push(Problem::new(entity, "FluidDomain", message));
+                continue;
+            }
+        };
+        state.frame = frame;
+        state.mode = domain.mode;
+        let gravity = domain.gravity.unwrap_or(default_gravity.0);
+        let mut recipe = sources.recipe(entity, domain, (frame, gravity), (count == 1, false), &mut current);
+        let backend = hardware.choose(domain.backend);
+
+        let has_fluid = state.engine.is_some() || state.stopped || !recipe.fresh.is_empty() || !recipe.sources.is_empty();
+        let is_served = state.recipe.as_ref().is_some_and(|planned| recipe.is_served_by(planned))
+            && state.backend.is_none_or(|running| running == backend);
+        if has_fluid && !is_served {
+            if state.stopped {
+                // Its particles are lost: the domain starts from all its volumes again.
+                recipe = sources.recipe(entity, domain, (frame, gravity), (count == 1, true), &mut Vec::new());
+            }
+            for (volume, refused) in replan(entity, recipe, backend, (&mut state, &mut stats), &sources, &hardware) {
+                let refused = if refused { volumes.get(volume).ok().cloned() } else { None };
+                commands.entity(volume).try_insert(Poured { domain: entity, refused });
+            }
+        } else if state.engine.is_some() && recipe.gravity != state.gravity && recipe.gravity.is_finite() {
+            state.gravity = recipe.gravity;
+            state.commands.push(Command::SetGravity(recipe.gravity));
+        }
+        current.extend(state.problems.iter().cloned());
+    }
+    problems.update(current, &mut commands);
+}
+
+/// Plans a recipe and orders what follows. Returns the volumes dealt with, and whether they were refused.
+fn replan(
+    domain: Entity,
+    mut recipe: Recipe,
+    backend: FluidBackend,
+    (state, stats): (&mut DomainState, &mut FluidStats),
+    sources: &Sources,
+    hardware: &Hardware,
+) -> Vec<(Entity, bool)> {
+    if state.stopped {
+        *state = DomainState { frame: state.frame, mode: state.mode, ..default() };
+    }
+    state.problems.clear();
+    if state.recipe.as_ref().is_some_and(|planned| planned.bodies != recipe.bodies) {
+        // Solvers know bodies by their place in the plan, also those of ticks in flight.
+        wait_for_all(domain, state, stats);
+    }
+    let mut asked = recipe.clone();
+    let mut dealt_with = Vec::new();
+    if let Some(plan) = plan_without_the_wrong(domain, &mut recipe, state, sources, &mut dealt_with) {
+        carry_out(domain, plan, &recipe, backend, (state, stats), hardware);
+        dealt_with.extend(recipe.fresh.iter().map(|fresh| (fresh.entity, false)));
+    }
+    // Whatever came of it, the same recipe is not tried twice. Volumes dealt with will not be in the next one.
+    asked.fresh.retain(|fresh| !dealt_with.iter().any(|(entity, _)| *entity == fresh.entity));
+    state.recipe = Some(asked);
+    dealt_with
+}

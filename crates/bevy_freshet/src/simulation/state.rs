@@ -1,0 +1,84 @@
+//! What the plugin remembers of a domain.
+
+use std::collections::VecDeque;
+
+use bevy::prelude::*;
+use freshet_core::plan::Plan;
+use freshet_core::scene::Body;
+use freshet_core::step::{BodyInput, Command, Impulse};
+
+use super::pours::Pours;
+use super::problems::Problem;
+use super::recipe::Recipe;
+use crate::components::domain::{FluidBackend, FluidMode};
+use crate::engine::Engine;
+
+/// Gravity of domains that do not give their own, m/s2; the coupling keeps it at rapier's.
+#[derive(Resource, Clone, Copy)]
+pub(crate) struct DefaultGravity(pub(crate) Vec3);
+
+impl Default for DefaultGravity {
+    fn default() -> Self {
+        Self(Vec3::new(0.0, -9.81, 0.0))
+    }
+}
+
+/// A body as the fluid sees it, made by the coupling; without it a [`FluidBody`](crate::prelude::FluidBody) is not
+/// simulated.
+#[derive(Component)]
+pub(crate) struct BodySamples {
+    /// Samples relative to the centre of mass.
+    pub(crate) body: Body,
+    /// Differs whenever `body` does.
+    pub(crate) version: u64,
+}
+
+/// A tick that has been sent.
+pub(crate) struct SentTick {
+    pub(crate) tick: u64,
+    /// Bodies of the plan at that time, in its order.
+    pub(crate) bodies: Vec<Entity>,
+}
+
+/// Impulses of the fluid on bodies in one tick, in the domain's axes.
+pub(crate) struct Pushes {
+    pub(crate) tick: u64,
+    pub(crate) bodies: Vec<(Entity, Impulse)>,
+}
+
+/// What the plugin remembers of a domain.
+#[derive(Component, Default)]
+pub(crate) struct DomainState {
+    /// Executes the ticks, once there is fluid.
+    pub(crate) engine: Option<Engine>,
+    /// What was asked to execute them; the CPU may have stepped in.
+    pub(crate) backend: Option<FluidBackend>,
+    /// Whether ticks are waited for.
+    pub(crate) mode: FluidMode,
+    /// The plan being executed, without its particles.
+    pub(crate) plan: Option<Plan>,
+    /// What that plan was made from.
+    pub(crate) recipe: Option<Recipe>,
+    /// What was wrong with the recipe.
+    pub(crate) problems: Vec<Problem>,
+    /// Why the engine stopped; it is made anew when the recipe changes.
+    pub(crate) stopped: bool,
+    /// Which particles are whose.
+    pub(crate) pours: Pours,
+    /// Gravity as the solver was last told, m/s2.
+    pub(crate) gravity: Vec3,
+    /// From the domain's frame to the world.
+    pub(crate) frame: Isometry3d,
+    /// For the coming tick, in order.
+    pub(crate) commands: Vec<Command>,
+    /// Bodies of the plan, in its order.
+    pub(crate) body_entities: Vec<Entity>,
+    /// Their states at the coming tick, in the domain's frame; made by the coupling.
+    pub(crate) body_inputs: Vec<BodyInput>,
+    /// Number of the coming tick.
+    pub(crate) tick: u64,
+    /// Ticks sent and not known.
+    pub(crate) sent: VecDeque<SentTick>,
+    /// Taken by the coupling.
+    pub(crate) pushes: Vec<Pushes>,
+}

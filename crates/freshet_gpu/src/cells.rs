@@ -1,0 +1,61 @@
+//! The tables of cells, and the walls' samples sorted into them once.
+
+use freshet_core::plan::Plan;
+
+use crate::shader::SCAN_BLOCK;
+
+/// Where the sections of the two tables begin, in cells. Each section has an entry more than there are cells: the counts
+/// for what falls out, the starts for the end of the last cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct CellTables {
+    /// Counts of body samples, after those of particles.
+    pub body_counts: u32,
+    /// Entries of the table of counts.
+    pub counts: u32,
+    /// Starts of wall samples, after those of particles.
+    pub wall_starts: u32,
+    /// Starts of body samples.
+    pub body_starts: u32,
+    /// Totals of blocks, for the prefix sum.
+    pub block_sums: u32,
+    /// Entries of the table of starts.
+    pub starts: u32,
+}
+
+impl CellTables {
+    /// The tables of a plan: sections for what it has.
+    pub fn of(plan: &Plan) -> Self {
+        let section = plan.grid.cells() + 1;
+        let walls = if plan.boundary.positions.is_empty() { 0 } else { section };
+        let bodies = if plan.bodies.is_empty() { 0 } else { section };
+        let block_sums = section + walls + bodies;
+        Self {
+            body_counts: section,
+            counts: section + bodies,
+            wall_starts: section,
+            body_starts: section + walls,
+            block_sums,
+            starts: block_sums + section.div_ceil(SCAN_BLOCK),
+        }
+    }
+}
+
+/// Samples of walls sorted by cell, in the plan's order within a cell, and the first sample of each cell.
+pub(crate) fn sort_walls(plan: &Plan) -> (Vec<[f32; 4]>, Vec<u32>) {
+    let cells: Vec<u32> =
+        plan.boundary.positions.iter().map(|&position| plan.grid.index(plan.grid.coordinates(position))).collect();
+    let mut order: Vec<usize> = (0..cells.len()).collect();
+    order.sort_by_key(|&k| cells[k]);
+    let mut starts = vec![0; plan.grid.cells() as usize + 1];
+    for &cell in &cells {
+        starts[cell as usize + 1] += 1;
+    }
+    for cell in 1..starts.len() {
+        starts[cell] += starts[cell - 1];
+    }
+    let sample = |k: usize| {
+        let [x, y, z] = plan.boundary.positions[k].to_array();
+        [x, y, z, plan.boundary.volumes[k]]
+    };
+    (order.into_iter().map(sample).collect(), starts)
+}

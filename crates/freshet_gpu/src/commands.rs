@@ -1,0 +1,166 @@
+//! A tick's commands as uploads and dispatches.
+
+use freshet_core::solver::SolverError;
+use freshet_core::step::Command;
+use glam::Vec3;
+use wgpu::util::DeviceExt;
+
+use crate::buffers::Buffers;
+use crate::errors::guarded;
+use crate::layout::{Binding, CommandRecord, SpawnRecord};
+use crate::passes::{Dispatch, command_passes};
+use crate::pipelines::Pipeline;
+use crate::shader::MAX_WORKGROUPS;
+
+/// Distance of commands in their uniform buffer: WebGPU's alignment.
+const STRIDE: usize = 256;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Edit {
+    Spawn { first: u32, count: u32 },
+    RemoveIds { first: u32, count: u32 },
+    RemoveInBox { min: Vec3, max: Vec3 },
+}
+
+/// The changes to particles that a tick asks for, in order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Edits {
+    list: Vec<Edit>,
+    spawned: Vec<SpawnRecord>,
+}
+
+impl Edits {
+    /// Reads commands; `gravity` is set by those that set it.
+    pub fn of(commands: &[Command], gravity: &mut Vec3) -> Self {
+        let mut edits = Self::default();
+        for command in commands {
+            match command {
+                Command::Spawn(particles) if particles.positions.is_empty() => {}
+                Command::Spawn(particles) => {
+                    let (first, count) = (edits.spawned.len() as u32, particles.positions.len() as u32);
+                    edits.spawned.extend(particles.positions.iter().zip(&particles.velocities).map(
+                        |(&position, &velocity)| SpawnRecord {
+                            position,
+                            lifetime: particles.lifetime,
+                            velocity,
+                            pad: 0.0,
+                        },
+                    ));
+                    match edits.list.last_mut() {
+                        // One after the other is one.
+                        Some(Edit::Spawn { count: before, .. }) => *before += count,
+                        _ => edits.list.push(Edit::Spawn { first, count }),
+                    }
+                }
+                &Command::RemoveIds { first, count } => edits.list.push(Edit::RemoveIds { first, count }),
+                &Command::RemoveInBox { min, max } => edits.list.push(Edit::RemoveInBox { min, max }),
+                &Command::SetGravity(set) => *gravity = set,
+            }
+        }
+        edits
+    }
+
+    /// Particles to spawn.
+    pub fn spawned(&self) -> u32 {
+        self.spawned.len() as u32
+    }
+
+    fn records(&self, capacity: u32) -> Vec<u8> {
+        let mut bytes = vec![0; STRIDE * self.list.len()];
+        for (edit, chunk) in self.list.iter().zip(bytes.chunks_exact_mut(STRIDE)) {
+            let record = match *edit {
+                Edit::Spawn { first, count } | Edit::RemoveIds { first, count } => {
+                    CommandRecord { first, count, capacity, ..Default::default() }
+                }
+                Edit::RemoveInBox { min, max } => CommandRecord { low: min, high: max, capacity, ..Default::default() },
+            };
+            chunk[..size_of::<CommandRecord>()].copy_from_slice(bytemuck::bytes_of(&record));
+        }
+        bytes
+    }
+}
+
+/// A dispatch that carries out a command.
+pub(crate) struct EditDispatch<'a> {
+    /// What to run.
+    pub pipeline: &'a Pipeline,
+    /// On what.
+    pub group: wgpu::BindGroup,
+    /// With how many groups.
+    pub groups: (u32, u32),
+}
+
+/// Pipelines of commands.
+#[derive(Debug)]
+pub(crate) struct CommandPipelines {
+    pipelines: [Pipeline; 4],
+    workgroup_size: u32,
+}
+
+impl CommandPipelines {
+    /// Compiles them.
+    pub fn new(
+        workgroup_size: u32,
+        mut compile: impl FnMut(crate::passes::Pass) -> Result<Pipeline, SolverError>,
+    ) -> Result<Self, SolverError> {
+        let [spawn, finish, ids, volume] = command_passes();
+        Ok(Self { pipelines: [compile(spawn)?, compile(finish)?, compile(ids)?, compile(volume)?], workgroup_size })
+    }
+
+    /// The dispatches of a tick's edits. Uploads are buffers of the tick's own, so that ticks in flight do not meet.
+    ///
+    /// `bound`: no fewer particles than there can be before the edits.
+    pub fn dispatches(
+        &self,
+        device: &wgpu::Device,
+        buffers: &Buffers,
+        edits: &Edits,
+        most: u32,
+        bound: u32,
+    ) -> Result<Vec<EditDispatch<'_>>, SolverError> {
+        if edits.list.is_empty() {
+            return Ok(Vec::new());
+        }
+        guarded(device, "uploading commands", || {
+            let upload = |name: &str, contents: &[u8], usage| {
+                device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                    label: Some(&format!("freshet:buffer:{name}")),
+                    contents,
+                    usage,
+                })
+            };
+            let records = upload("commands", &edits.records(most.min(buffers.capacity)), wgpu::BufferUsages::UNIFORM);
+            let empty = [SpawnRecord::default()];
+            let spawned = if edits.spawned.is_empty() { &empty[..] } else { &edits.spawned };
+            let spawned = upload("spawned", bytemuck::cast_slice(spawned), wgpu::BufferUsages::STORAGE);
+            let bound = bound + edits.spawned();
+            let mut dispatches = Vec::new();
+            for (index, edit) in edits.list.iter().enumerate() {
+                let record = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer: &records,
+                    offset: (STRIDE * index) as u64,
+                    size: wgpu::BufferSize::new(STRIDE as u64),
+                });
+                let own = [(Binding::Command, record), (Binding::Spawned, spawned.as_entire_binding())];
+                let [spawn, finish, ids, volume] = &self.pipelines;
+                let steps: &[(&Pipeline, u32)] = match *edit {
+                    Edit::Spawn { count, .. } => &[(spawn, count), (finish, 1)],
+                    Edit::RemoveIds { .. } => &[(ids, bound)],
+                    Edit::RemoveInBox { .. } => &[(volume, bound)],
+                };
+                for &(pipeline, threads) in steps {
+                    let group = pipeline.bind(device, buffers, &own);
+                    let single = pipeline.pass.dispatch == Dispatch::Single;
+                    let groups = if single { (1, 1) } else { group_grid(threads.div_ceil(self.workgroup_size)) };
+                    dispatches.push(EditDispatch { pipeline, group, groups });
+                }
+            }
+            dispatches
+        })
+    }
+}
+
+/// Groups along x and y of a direct dispatch, as in `threads.wgsl`.
+pub(crate) fn group_grid(groups: u32) -> (u32, u32) {
+    (groups.min(MAX_WORKGROUPS), groups.div_ceil(MAX_WORKGROUPS))
+}

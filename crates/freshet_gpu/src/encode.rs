@@ -1,0 +1,164 @@
+//! Encoding ticks: beginning, commands, substeps, the report's way back.
+
+use freshet_core::solver::SolverError;
+
+use crate::buffers::INPUT_STRIDE;
+use crate::commands::group_grid;
+use crate::errors::guarded;
+use crate::layout::Binding;
+use crate::passes::Dispatch;
+use crate::pipelines::Pipeline;
+use crate::pool::fitting_capacity;
+use crate::solver::{GpuSolver, PreparedTick, TickMemo};
+
+impl GpuSolver {
+    /// Encodes all prepared ticks. Submit the encoder's commands, then call [`collect`](Self::collect).
+    ///
+    /// # Errors
+    /// If memory cannot be had or the ring of reports is full.
+    pub fn encode(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<(), SolverError> {
+        while let Some(tick) = self.prepared.pop_front() {
+            self.encode_tick(encoder, &tick)?;
+        }
+        Ok(())
+    }
+
+    fn encode_tick(&mut self, encoder: &mut wgpu::CommandEncoder, tick: &PreparedTick) -> Result<(), SolverError> {
+        let bound = self.most_particles();
+        self.spawning.push_back(tick.about.spawned);
+        self.fit(encoder, bound.saturating_add(tick.about.spawned))?;
+        self.encode_beginning(encoder, tick, bound)?;
+        self.encode_substeps(encoder, tick.about.encoded);
+        self.encode_report(encoder, tick.about)
+    }
+
+    /// No fewer particles than there can be, from the last report and what was spawned since.
+    fn most_particles(&self) -> u32 {
+        let spawned = self.spawning.iter().fold(0u32, |sum, &count| sum.saturating_add(count));
+        self.known.particles.saturating_add(spawned).min(self.plan.max_particles)
+    }
+
+    /// Grows or shrinks the buffers for up to `bound` particles.
+    fn fit(&mut self, encoder: &mut wgpu::CommandEncoder, bound: u32) -> Result<(), SolverError> {
+        let capacity = fitting_capacity(self.buffers.capacity, bound, self.plan.max_particles);
+        if capacity != self.buffers.capacity {
+            self.buffers.resize(&self.device, encoder, &self.plan, capacity)?;
+            self.rebind()?;
+        }
+        Ok(())
+    }
+
+    fn encode_beginning(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        tick: &PreparedTick,
+        bound: u32,
+    ) -> Result<(), SolverError> {
+        let most = self.plan.max_particles;
+        let edits = self.commands.dispatches(&self.device, &self.buffers, &tick.edits, most, bound)?;
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("freshet:pass:begin_tick"),
+            timestamp_writes: None,
+        });
+        let input = [tick.slot * INPUT_STRIDE as u32];
+        let body_groups = (self.plan.bodies.len() as u32).div_ceil(self.options.workgroup_size);
+        for (pipeline, group) in self.begin.iter().zip(&self.groups) {
+            let groups = if pipeline.pass.dispatch == Dispatch::Single { (1, 1) } else { group_grid(body_groups) };
+            dispatch(&mut pass, pipeline, group, &input, Groups::Direct(groups.0, groups.1));
+        }
+        for edit in &edits {
+            dispatch(&mut pass, edit.pipeline, &edit.group, &[], Groups::Direct(edit.groups.0, edit.groups.1));
+        }
+        Ok(())
+    }
+
+    /// Encodes `count` substeps; those that the tick does not need dispatch nothing.
+    pub(crate) fn encode_substeps(&self, encoder: &mut wgpu::CommandEncoder, count: u32) {
+        let Some(arguments) = self.buffers.get(Binding::Arguments) else { return };
+        let groups = &self.groups[self.begin.len()..];
+        let groups_of = |pipeline: &Pipeline| match pipeline.pass.dispatch {
+            Dispatch::Indirect(which) => Groups::Indirect(arguments, which.offset()),
+            Dispatch::Single | Dispatch::Direct => Groups::Direct(1, 1),
+        };
+        let Some(timer) = &self.timer else {
+            if count > 0 {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                    label: Some("freshet:pass:substeps"),
+                    timestamp_writes: None,
+                });
+                for _ in 0..count {
+                    for (pipeline, group) in self.substep.iter().zip(groups) {
+                        dispatch(&mut pass, pipeline, group, &[], groups_of(pipeline));
+                    }
+                }
+            }
+            return;
+        };
+        for substep in 0..count {
+            for (index, (pipeline, group)) in self.substep.iter().zip(groups).enumerate() {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                    label: Some(&pipeline.label),
+                    timestamp_writes: timer.writes(substep, index),
+                });
+                dispatch(&mut pass, pipeline, group, &[], groups_of(pipeline));
+            }
+        }
+    }
+
+    /// Encodes the way back of what the GPU has to say.
+    pub(crate) fn encode_report(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        about: TickMemo,
+    ) -> Result<(), SolverError> {
+        let mut sources: Vec<&wgpu::Buffer> = Vec::new();
+        sources.extend(self.buffers.get(Binding::Control));
+        sources.extend(self.buffers.get(Binding::Bodies));
+        if let Some(timer) = &self.timer {
+            timer.resolve(encoder, about.encoded);
+            sources.push(timer.buffer());
+        }
+        self.readback.copy(encoder, &sources, about)
+    }
+
+    /// Submits an encoder filled by `fill`, with errors caught.
+    pub(crate) fn submit(
+        &mut self,
+        fill: impl FnOnce(&mut Self, &mut wgpu::CommandEncoder) -> Result<(), SolverError>,
+    ) -> Result<(), SolverError> {
+        let device = self.device.clone();
+        guarded(&device, "executing a tick", || {
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("freshet:encoder:lockstep"),
+            });
+            fill(self, &mut encoder)?;
+            self.queue.submit([encoder.finish()]);
+            Ok(())
+        })?
+    }
+}
+
+/// How many groups a dispatch has.
+enum Groups<'a> {
+    Direct(u32, u32),
+    Indirect(&'a wgpu::Buffer, u64),
+}
+
+fn dispatch(
+    pass: &mut wgpu::ComputePass<'_>,
+    pipeline: &Pipeline,
+    group: &wgpu::BindGroup,
+    offsets: &[u32],
+    groups: Groups<'_>,
+) {
+    // Only what has a ring takes an offset.
+    let ring = pipeline.pass.uses.iter().any(|&(binding, _)| binding == Binding::Input);
+    pass.push_debug_group(&pipeline.label);
+    pass.set_pipeline(&pipeline.pipeline);
+    pass.set_bind_group(0, group, if ring { offsets } else { &[] });
+    match groups {
+        Groups::Direct(x, y) => pass.dispatch_workgroups(x, y, 1),
+        Groups::Indirect(buffer, offset) => pass.dispatch_workgroups_indirect(buffer, offset),
+    }
+    pass.pop_debug_group();
+}

@@ -1,0 +1,349 @@
+//! The registry of buffers: number, type and accessors of each. Passes reach fields only through these accessors.
+
+use super::records;
+
+/// How a pass uses a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// Reads only.
+    Read,
+    /// Writes, and may read.
+    Write,
+}
+
+/// A buffer that shaders see. The number is the binding in group 0, the same in every pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(u32)]
+pub enum Binding {
+    /// [`Parameters`](records::Parameters).
+    Parameters,
+    /// [`TickRecord`](records::TickRecord), a ring with a dynamic offset.
+    Input,
+    /// [`CommandRecord`](records::CommandRecord).
+    Command,
+    /// [`StepControl`](records::StepControl).
+    Control,
+    /// Arguments of indirect dispatches and of drawing.
+    Arguments,
+    /// [`ParticleRecord`](records::ParticleRecord): the state.
+    Particles,
+    /// Which candidates of a particle are its neighbours, in the memory of the state: between the sort, which copies the
+    /// state, and the motion, which writes it anew, that memory is free.
+    Hits,
+    /// [`PositionRecord`](records::PositionRecord): positions in the order of the last sort.
+    SortedPositions,
+    /// [`VelocityRecord`](records::VelocityRecord): velocities in the order of the last sort.
+    SortedVelocities,
+    /// Density and `p / rho^2`.
+    Densities,
+    /// Accelerations.
+    Accelerations,
+    /// The particle in each slot, before ordering by id.
+    Slots,
+    /// Number of particles in each cell, then of body samples.
+    CellCounts,
+    /// First particle of each cell, then first wall sample, first body sample, totals of blocks.
+    CellStarts,
+    /// Wall samples, then body samples, each sorted: position and volume.
+    Samples,
+    /// [`BodyRecord`](records::BodyRecord).
+    Bodies,
+    /// [`BodyInputRecord`](records::BodyInputRecord), a ring.
+    BodyInputs,
+    /// [`BodySampleRecord`](records::BodySampleRecord).
+    BodySamples,
+    /// The sample in each slot, before ordering by number.
+    BodySlots,
+    /// [`SampleLoadRecord`](records::SampleLoadRecord).
+    SampleLoads,
+    /// [`SpawnRecord`](records::SpawnRecord).
+    Spawned,
+}
+
+impl Binding {
+    /// Every buffer.
+    pub const ALL: [Binding; 21] = [
+        Binding::Parameters,
+        Binding::Input,
+        Binding::Command,
+        Binding::Control,
+        Binding::Arguments,
+        Binding::Particles,
+        Binding::Hits,
+        Binding::SortedPositions,
+        Binding::SortedVelocities,
+        Binding::Densities,
+        Binding::Accelerations,
+        Binding::Slots,
+        Binding::CellCounts,
+        Binding::CellStarts,
+        Binding::Samples,
+        Binding::Bodies,
+        Binding::BodyInputs,
+        Binding::BodySamples,
+        Binding::BodySlots,
+        Binding::SampleLoads,
+        Binding::Spawned,
+    ];
+
+    /// Number in group 0.
+    pub fn number(self) -> u32 {
+        self as u32
+    }
+
+    /// Whether it is a uniform.
+    pub fn is_uniform(self) -> bool {
+        matches!(self, Binding::Parameters | Binding::Input | Binding::Command)
+    }
+
+    /// Name, in WGSL and in labels.
+    pub fn name(self) -> &'static str {
+        match self {
+            Binding::Parameters => "parameters",
+            Binding::Input => "input",
+            Binding::Command => "command",
+            Binding::Control => "control",
+            Binding::Arguments => "arguments",
+            Binding::Particles => "particles",
+            Binding::Hits => "hits",
+            Binding::SortedPositions => "sorted_positions",
+            Binding::SortedVelocities => "sorted_velocities",
+            Binding::Densities => "densities",
+            Binding::Accelerations => "accelerations",
+            Binding::Slots => "slots",
+            Binding::CellCounts => "cell_counts",
+            Binding::CellStarts => "cell_starts",
+            Binding::Samples => "samples",
+            Binding::Bodies => "bodies",
+            Binding::BodyInputs => "body_inputs",
+            Binding::BodySamples => "body_samples",
+            Binding::BodySlots => "body_slots",
+            Binding::SampleLoads => "sample_loads",
+            Binding::Spawned => "spawned",
+        }
+    }
+
+    /// Bytes of one particle's part; none for buffers that do not hold particles.
+    pub fn particle_bytes(self) -> Option<u64> {
+        match self {
+            Binding::Particles | Binding::Hits => Some(32),
+            Binding::SortedPositions | Binding::SortedVelocities | Binding::Accelerations => Some(16),
+            Binding::Densities => Some(8),
+            Binding::Slots => Some(4),
+            _ => None,
+        }
+    }
+
+    /// The binding whose memory this one has.
+    pub fn memory(self) -> Self {
+        if self == Binding::Hits { Binding::Particles } else { self }
+    }
+
+    fn element(self) -> &'static str {
+        match self {
+            Binding::Parameters => "Parameters",
+            Binding::Input => "TickRecord",
+            Binding::Command => "CommandRecord",
+            Binding::Control => "StepControl",
+            Binding::Arguments | Binding::Slots | Binding::CellStarts | Binding::BodySlots => "array<u32>",
+            Binding::Particles => "array<ParticleRecord>",
+            Binding::Hits => "array<array<u32, 8>>",
+            Binding::SortedPositions => "array<PositionRecord>",
+            Binding::SortedVelocities => "array<VelocityRecord>",
+            Binding::Densities => "array<vec2<f32>>",
+            Binding::Accelerations | Binding::Samples => "array<vec4<f32>>",
+            Binding::CellCounts => "array<atomic<u32>>",
+            Binding::Bodies => "array<BodyRecord>",
+            Binding::BodyInputs => "array<BodyInputRecord>",
+            Binding::BodySamples => "array<BodySampleRecord>",
+            Binding::SampleLoads => "array<SampleLoadRecord>",
+            Binding::Spawned => "array<SpawnRecord>",
+        }
+    }
+
+    /// Whether WGSL wants it writable even where a pass only reads it: atomics.
+    pub fn is_atomic(self) -> bool {
+        matches!(self, Binding::Control | Binding::CellCounts)
+    }
+
+    fn readers(self) -> &'static str {
+        match self {
+            Binding::Parameters | Binding::Input | Binding::Command | Binding::Control | Binding::Arguments => "",
+            Binding::Particles => {
+                "fn position(i: u32) -> vec3<f32> { return particles[i].position; }
+fn id(i: u32) -> u32 { return particles[i].id; }
+fn velocity(i: u32) -> vec3<f32> { return particles[i].velocity; }
+fn remaining_life(i: u32) -> f32 { return particles[i].remaining_life; }
+"
+            }
+            Binding::Hits => "fn hits_of(i: u32, word: u32) -> u32 { return hits[i][word]; }\n",
+            Binding::SortedPositions => {
+                "fn sorted_position(i: u32) -> vec3<f32> { return sorted_positions[i].position; }
+fn sorted_id(i: u32) -> u32 { return sorted_positions[i].id; }
+"
+            }
+            Binding::SortedVelocities => {
+                "fn sorted_velocity(i: u32) -> vec3<f32> { return sorted_velocities[i].velocity; }
+fn sorted_remaining_life(i: u32) -> f32 { return sorted_velocities[i].remaining_life; }
+"
+            }
+            Binding::Densities => {
+                "fn density(i: u32) -> f32 { return densities[i].x; }
+fn pressure_term(i: u32) -> f32 { return densities[i].y; }
+fn density_and_pressure_term(i: u32) -> vec2<f32> { return densities[i]; }
+"
+            }
+            Binding::Accelerations => "fn acceleration(i: u32) -> vec3<f32> { return accelerations[i].xyz; }\n",
+            Binding::Slots => "fn slot(i: u32) -> u32 { return slots[i]; }\n",
+            Binding::CellCounts => "fn cell_count(i: u32) -> u32 { return atomicLoad(&cell_counts[i]); }\n",
+            Binding::CellStarts => "fn cell_start(i: u32) -> u32 { return cell_starts[i]; }\n",
+            Binding::Samples => "fn sample(k: u32) -> vec4<f32> { return samples[k]; }\n",
+            Binding::Bodies => {
+                "fn body_position(i: u32) -> vec3<f32> { return bodies[i].position; }
+fn body_rotation(i: u32) -> vec4<f32> { return bodies[i].rotation; }
+fn body_linear_velocity(i: u32) -> vec3<f32> { return bodies[i].linear_velocity; }
+fn body_angular_velocity(i: u32) -> vec3<f32> { return bodies[i].angular_velocity; }
+fn body_inverse_mass(i: u32) -> f32 { return bodies[i].inverse_mass; }
+fn body_inverse_inertia(i: u32) -> mat3x3<f32> {
+    return mat3x3<f32>(bodies[i].inertia_x, bodies[i].inertia_y, bodies[i].inertia_z);
+}
+fn body_acceleration(i: u32) -> vec3<f32> { return bodies[i].acceleration; }
+fn body_first_sample(i: u32) -> u32 { return bodies[i].first_sample; }
+fn body_sample_count(i: u32) -> u32 { return bodies[i].sample_count; }
+fn body_force(i: u32) -> vec3<f32> { return bodies[i].force; }
+fn body_torque(i: u32) -> vec3<f32> { return bodies[i].torque; }
+fn body_exchange(i: u32, slot: u32) -> ExchangeRecord { return bodies[i].exchanges[slot]; }
+"
+            }
+            Binding::BodyInputs => "fn body_input(i: u32) -> BodyInputRecord { return body_inputs[i]; }\n",
+            Binding::BodySamples => {
+                "fn sample_offset(k: u32) -> vec3<f32> { return body_samples[k].offset; }
+fn sample_volume(k: u32) -> f32 { return body_samples[k].volume; }
+fn body_of_sample(k: u32) -> u32 { return body_samples[k].body; }
+"
+            }
+            Binding::BodySlots => "fn body_slot(i: u32) -> u32 { return body_slots[i]; }\n",
+            Binding::SampleLoads => {
+                "fn sample_force(k: u32) -> vec3<f32> { return sample_loads[k].force; }
+fn sample_torque(k: u32) -> vec3<f32> { return sample_loads[k].torque; }
+"
+            }
+            Binding::Spawned => {
+                "fn spawned_position(i: u32) -> vec3<f32> { return spawned[i].position; }
+fn spawned_velocity(i: u32) -> vec3<f32> { return spawned[i].velocity; }
+fn spawned_life(i: u32) -> f32 { return spawned[i].lifetime; }
+"
+            }
+        }
+    }
+
+    fn writers(self) -> &'static str {
+        match self {
+            Binding::Arguments => {
+                "fn set_arguments(dispatch: u32, groups: vec3<u32>) {
+    arguments[3u * dispatch] = groups.x;
+    arguments[3u * dispatch + 1u] = groups.y;
+    arguments[3u * dispatch + 2u] = groups.z;
+}
+fn set_instances(count: u32) {
+    arguments[#{ARGUMENTS_DRAW}u] = 4u;
+    arguments[#{ARGUMENTS_DRAW}u + 1u] = count;
+    arguments[#{ARGUMENTS_DRAW}u + 2u] = 0u;
+    arguments[#{ARGUMENTS_DRAW}u + 3u] = 0u;
+}
+"
+            }
+            Binding::Particles => {
+                "fn set_particle(i: u32, x: vec3<f32>, particle: u32, v: vec3<f32>, life: f32) {
+    particles[i] = ParticleRecord(x, particle, v, life);
+}
+fn set_remaining_life(i: u32, life: f32) { particles[i].remaining_life = life; }
+"
+            }
+            Binding::Hits => "fn set_hits(i: u32, word: u32, value: u32) { hits[i][word] = value; }\n",
+            Binding::SortedPositions => {
+                "fn set_sorted_position(i: u32, x: vec3<f32>, particle: u32) {
+    sorted_positions[i] = PositionRecord(x, particle);
+}
+"
+            }
+            Binding::SortedVelocities => {
+                "fn set_sorted_velocity(i: u32, v: vec3<f32>, life: f32) { sorted_velocities[i] = VelocityRecord(v, life); }\n"
+            }
+            Binding::Densities => {
+                "fn set_density(i: u32, value: f32, term: f32) { densities[i] = vec2<f32>(value, term); }\n"
+            }
+            Binding::Accelerations => {
+                "fn set_acceleration(i: u32, a: vec3<f32>) { accelerations[i] = vec4<f32>(a, 0.0); }\n"
+            }
+            Binding::Slots => "fn set_slot(i: u32, particle: u32) { slots[i] = particle; }\n",
+            Binding::CellCounts => {
+                "fn add_to_cell_count(i: u32, n: u32) { atomicAdd(&cell_counts[i], n); }
+fn take_from_cell_count(i: u32) -> u32 { return atomicSub(&cell_counts[i], 1u) - 1u; }
+"
+            }
+            Binding::CellStarts => "fn set_cell_start(i: u32, start: u32) { cell_starts[i] = start; }\n",
+            Binding::Samples => "fn set_sample(k: u32, value: vec4<f32>) { samples[k] = value; }\n",
+            Binding::Bodies => {
+                "fn start_body(i: u32, given: BodyInputRecord) {
+    bodies[i].inverse_mass = given.inverse_mass;
+    bodies[i].inertia_x = given.inertia_x;
+    bodies[i].inertia_y = given.inertia_y;
+    bodies[i].inertia_z = given.inertia_z;
+    bodies[i].acceleration = given.acceleration;
+    bodies[i].impulse_linear = vec3<f32>(0.0);
+    bodies[i].impulse_angular = vec3<f32>(0.0);
+}
+fn set_body_pose(i: u32, x: vec3<f32>, q: vec4<f32>) { bodies[i].position = x; bodies[i].rotation = q; }
+fn set_body_velocity(i: u32, v: vec3<f32>, w: vec3<f32>) { bodies[i].linear_velocity = v; bodies[i].angular_velocity = w; }
+fn set_body_load(i: u32, f: vec3<f32>, t: vec3<f32>) { bodies[i].force = f; bodies[i].torque = t; }
+fn set_body_exchange(i: u32, slot: u32, tick_plus_one: vec2<u32>, linear: vec3<f32>, angular: vec3<f32>) {
+    bodies[i].exchanges[slot].linear = linear;
+    bodies[i].exchanges[slot].angular = angular;
+    bodies[i].exchanges[slot].tick_plus_one = tick_plus_one;
+}
+fn add_body_impulse(i: u32, slot: u32, linear: vec3<f32>, angular: vec3<f32>) {
+    bodies[i].impulse_linear += linear;
+    bodies[i].impulse_angular += angular;
+    bodies[i].exchanges[slot].linear += linear;
+    bodies[i].exchanges[slot].angular += angular;
+}
+"
+            }
+            Binding::BodySlots => "fn set_body_slot(i: u32, k: u32) { body_slots[i] = k; }\n",
+            Binding::SampleLoads => {
+                "fn set_sample_load(k: u32, f: vec3<f32>, t: vec3<f32>) {
+    sample_loads[k] = SampleLoadRecord(f, 0.0, t, 0.0);
+}
+"
+            }
+            _ => "",
+        }
+    }
+}
+
+/// The module `freshet::bindings` for a pass: structs, buffers and accessors. Setters exist only for what it writes.
+pub(crate) fn bindings_module(uses: &[(Binding, Access)]) -> String {
+    let mut text = format!("#define_import_path freshet::bindings\n\n{}\n", records::declarations());
+    for binding in Binding::ALL {
+        let writes = uses.contains(&(binding, Access::Write));
+        let space = match (binding.is_uniform(), writes || binding.is_atomic()) {
+            (true, _) => "uniform",
+            (false, true) => "storage, read_write",
+            (false, false) => "storage, read",
+        };
+        text += &format!(
+            "@group(0) @binding({}) var<{space}> {}: {};\n",
+            binding.number(),
+            binding.name(),
+            binding.element()
+        );
+    }
+    for binding in Binding::ALL {
+        text += binding.readers();
+        if uses.contains(&(binding, Access::Write)) {
+            text += binding.writers();
+        }
+    }
+    text
+}

@@ -1,0 +1,14 @@
+//! What the solver's buffers hold, declared once in Rust: the WGSL is generated from here.
+
+mod binding;
+mod records;
+mod wgsl;
+
+pub use binding::{Access, Binding};
+pub use records::{
+    BodyInputRecord, BodyRecord, BodySampleRecord, CommandRecord, ExchangeRecord, Parameters, ParticleRecord,
+    PositionRecord, SampleLoadRecord, SpawnRecord, StepControl, TickRecord, VelocityRecord,
+};
+pub use wgsl::{Atomic, WgslStruct, WgslType};
+
+pub(crate) use binding::bindings_module;

@@ -1,0 +1,351 @@
+//! The structs that buffers hold. SI units, as in `freshet_core`.
+
+use glam::{UVec3, Vec3};
+
+use super::wgsl::{Atomic, wgsl_struct};
+
+wgsl_struct! {
+    /// Numbers that stay the same over many ticks: a uniform.
+    pub struct Parameters {
+        /// Number of cells along each axis minus one.
+        cell_mask: UVec3,
+        /// Number of cells; also the index of the cell of those that fall out.
+        cells: u32,
+        /// Lower corner of where particles may be, m.
+        bounds_min: Vec3,
+        /// 1 / H as the grid uses it, 1/m.
+        inverse_cell_size: f32,
+        /// Upper corner of where particles may be, m.
+        bounds_max: Vec3,
+        /// 1 / H as the kernel uses it, 1/m.
+        inverse_support_radius: f32,
+        /// Binary logarithm of the number of cells along x.
+        log_cells_x: u32,
+        /// The same along x and y together.
+        log_cells_xy: u32,
+        /// H^2, m2.
+        squared_support_radius: f32,
+        /// m A / (S H^3): density from the fluid's kernel shapes.
+        fluid_density_scale: f32,
+        /// rho0 A / (S H^3): density from samples' kernel shapes times volumes.
+        sample_density_scale: f32,
+        /// m A / (G H^5): acceleration from the fluid's kernel slopes.
+        fluid_force_scale: f32,
+        /// 2 rho0 A / (G H^5): acceleration from samples' kernel slopes.
+        sample_force_scale: f32,
+        /// 2 m rho0 A / (G H^5): force on a sample.
+        body_force_scale: f32,
+        /// kg/m3.
+        rest_density: f32,
+        /// m3/kg.
+        inverse_rest_density: f32,
+        /// Factor of the equation of state: Pa for Tait's, m2/s2 for the others.
+        stiffness: f32,
+        /// Pressure at rest, Pa.
+        reference_pressure: f32,
+        /// Exponent of Tait's equation.
+        exponent: f32,
+        /// 2 alpha c h: artificial viscosity over twice the mean density.
+        viscosity_scale: f32,
+        /// 0.01 h^2, m2.
+        viscosity_softening: f32,
+        /// h, m.
+        smoothing_length: f32,
+        /// c, m/s.
+        sound_speed: f32,
+        /// Step over h / (c + v).
+        courant_factor: f32,
+        /// Step over sqrt(h / a).
+        force_factor: f32,
+        /// Longest step that viscosity allows, s.
+        viscous_limit: f32,
+        /// Most time that one tick leaves to the next, s.
+        longest_tick: f32,
+        /// Most substeps in a tick.
+        max_substeps: u32,
+        /// Samples of walls; those of bodies come after them.
+        wall_samples: u32,
+        /// Samples of bodies.
+        body_samples: u32,
+        /// Bodies.
+        bodies: u32,
+        /// Where the counts of body samples begin in the table of counts.
+        body_counts: u32,
+        /// Where the starts of wall samples begin in the table of starts.
+        wall_starts: u32,
+        /// Where the starts of body samples begin in the table of starts.
+        body_starts: u32,
+        /// Where the totals of blocks begin in the table of starts.
+        block_sums: u32,
+        /// Unused.
+        pad_a: u32,
+        /// Unused.
+        pad_b: u32,
+        /// Unused.
+        pad_c: u32,
+    }
+
+    /// What the GPU decides from substep to substep, and what it reports.
+    pub struct StepControl {
+        /// In this tick, m/s2.
+        gravity: Vec3,
+        /// Length of the substep, s.
+        substep: f32,
+        /// Time the tick is to cover, with what the last left over, s.
+        asked: f32,
+        /// Time of it not covered yet, s.
+        remaining: f32,
+        /// Shortest substep of the tick, s.
+        smallest_substep: f32,
+        /// Largest mean compression of the tick's substeps.
+        mean_compression: f32,
+        /// Largest speed of a particle in the last substep, m/s.
+        fastest: f32,
+        /// 1 if another substep follows, else 0.
+        going: u32,
+        /// Substeps made in this tick.
+        substeps: u32,
+        /// Particles in the buffers of the state, those included that fall out in the next sort.
+        count: u32,
+        /// Particles that the last sort kept.
+        live: u32,
+        /// The id the next particle gets.
+        next_id: u32,
+        /// Particles not spawned in this tick.
+        refused: u32,
+        /// The tick's number modulo four.
+        tick_slot: u32,
+        /// Particles removed in this tick.
+        removed: Atomic,
+        /// Particles retired in this tick.
+        retired: Atomic,
+        /// Bits of the largest speed in this substep.
+        max_speed: Atomic,
+        /// Bits of the largest acceleration in this substep.
+        max_acceleration: Atomic,
+        /// Bits of the largest density over rest density in this tick.
+        max_ratio: Atomic,
+        /// Sum of compressions in this substep in units of 2^-20, lower half.
+        compression_low: Atomic,
+        /// Its upper half.
+        compression_high: Atomic,
+        /// Unused.
+        pad: u32,
+    }
+
+    /// What a tick is told.
+    pub struct TickRecord {
+        /// m/s2.
+        gravity: Vec3,
+        /// s.
+        duration: f32,
+        /// The tick's number, lower half first.
+        tick: [u32; 2],
+        /// The number after it.
+        tick_plus_one: [u32; 2],
+        /// Where the tick's bodies begin in the ring of body inputs.
+        first_body: u32,
+        /// Unused.
+        pad_a: u32,
+        /// Unused.
+        pad_b: [u32; 2],
+    }
+
+    /// One command.
+    pub struct CommandRecord {
+        /// Lower corner of a box, m.
+        low: Vec3,
+        /// First id, or first particle in the upload.
+        first: u32,
+        /// Upper corner of a box, m.
+        high: Vec3,
+        /// How many ids or particles.
+        count: u32,
+        /// Most particles there may be.
+        capacity: u32,
+        /// Unused.
+        pad_a: u32,
+        /// Unused.
+        pad_b: [u32; 2],
+    }
+
+    /// The state of a particle.
+    pub struct ParticleRecord {
+        /// m.
+        position: Vec3,
+        /// Stable number.
+        id: u32,
+        /// m/s.
+        velocity: Vec3,
+        /// Time until it is retired, s; infinite for never.
+        remaining_life: f32,
+    }
+
+    /// Where a particle is, and who it is, in the order of the last sort.
+    pub struct PositionRecord {
+        /// m.
+        position: Vec3,
+        /// Stable number.
+        id: u32,
+    }
+
+    /// How a particle moves, and how long it will, in the order of the last sort.
+    pub struct VelocityRecord {
+        /// m/s.
+        velocity: Vec3,
+        /// s.
+        remaining_life: f32,
+    }
+
+    /// A particle to spawn.
+    pub struct SpawnRecord {
+        /// m.
+        position: Vec3,
+        /// s.
+        lifetime: f32,
+        /// m/s.
+        velocity: Vec3,
+        /// Unused.
+        pad: f32,
+    }
+
+    /// A sample of a body, as planned.
+    pub struct BodySampleRecord {
+        /// From the centre of mass in the body's frame, m.
+        offset: Vec3,
+        /// Weight, m3.
+        volume: f32,
+        /// Whose it is.
+        body: u32,
+        /// Unused.
+        pad_a: u32,
+        /// Unused.
+        pad_b: [u32; 2],
+    }
+
+    /// What the fluid does to a sample.
+    pub struct SampleLoadRecord {
+        /// N.
+        force: Vec3,
+        /// Unused.
+        pad_a: f32,
+        /// About the body's centre of mass, N m.
+        torque: Vec3,
+        /// Unused.
+        pad_b: f32,
+    }
+
+    /// What passed between the fluid and a body in one tick, minus what was forecast.
+    pub struct ExchangeRecord {
+        /// N s.
+        linear: Vec3,
+        /// Unused.
+        pad_a: f32,
+        /// N m s.
+        angular: Vec3,
+        /// Unused.
+        pad_b: f32,
+        /// Number of the tick plus one, lower half first; zero for none.
+        tick_plus_one: [u32; 2],
+        /// Unused.
+        pad_c: [u32; 2],
+    }
+
+    /// A body at the start of a tick, as its engine knows it.
+    pub struct BodyInputRecord {
+        /// m.
+        position: Vec3,
+        /// 1/kg.
+        inverse_mass: f32,
+        /// Unit quaternion.
+        rotation: [f32; 4],
+        /// m/s.
+        linear_velocity: Vec3,
+        /// Whether displacements are corrected.
+        is_free: u32,
+        /// rad/s.
+        angular_velocity: Vec3,
+        /// Unused.
+        pad_a: u32,
+        /// First column of the inverse inertia, 1/(kg m2).
+        inertia_x: Vec3,
+        /// Unused.
+        pad_b: u32,
+        /// Second column.
+        inertia_y: Vec3,
+        /// Unused.
+        pad_c: u32,
+        /// Third column.
+        inertia_z: Vec3,
+        /// Unused.
+        pad_d: u32,
+        /// m/s2.
+        acceleration: Vec3,
+        /// Unused.
+        pad_e: u32,
+        /// N s.
+        forecast_linear: Vec3,
+        /// Unused.
+        pad_f: u32,
+        /// N m s.
+        forecast_angular: Vec3,
+        /// Unused.
+        pad_g: u32,
+        /// The engine has been corrected for all ticks before this one.
+        corrected_before: [u32; 2],
+        /// Unused.
+        pad_h: [u32; 2],
+    }
+
+    /// A body during a tick.
+    pub struct BodyRecord {
+        /// m.
+        position: Vec3,
+        /// 1/kg.
+        inverse_mass: f32,
+        /// Unit quaternion.
+        rotation: [f32; 4],
+        /// m/s.
+        linear_velocity: Vec3,
+        /// Number of its first sample.
+        first_sample: u32,
+        /// rad/s.
+        angular_velocity: Vec3,
+        /// Number of its samples.
+        sample_count: u32,
+        /// First column of the inverse inertia in world axes, kept from the tick's start, 1/(kg m2).
+        inertia_x: Vec3,
+        /// Unused.
+        pad_a: u32,
+        /// Second column.
+        inertia_y: Vec3,
+        /// Unused.
+        pad_b: u32,
+        /// Third column.
+        inertia_z: Vec3,
+        /// Unused.
+        pad_c: u32,
+        /// From everything but the fluid, m/s2.
+        acceleration: Vec3,
+        /// Unused.
+        pad_d: u32,
+        /// Of the fluid in this substep, N.
+        force: Vec3,
+        /// Unused.
+        pad_e: u32,
+        /// Of the fluid in this substep, N m.
+        torque: Vec3,
+        /// Unused.
+        pad_f: u32,
+        /// Of the fluid in this tick so far, N s.
+        impulse_linear: Vec3,
+        /// Unused.
+        pad_g: u32,
+        /// Of the fluid in this tick so far, N m s.
+        impulse_angular: Vec3,
+        /// Unused.
+        pad_h: u32,
+        /// The last four ticks, at their number modulo four.
+        exchanges: [ExchangeRecord; 4],
+    }
+}

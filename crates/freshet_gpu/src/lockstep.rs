@@ -1,0 +1,86 @@
+//! The solver as every solver is used: step, wait, read.
+
+use std::time::Instant;
+
+use freshet_core::field::{Field, FieldData};
+use freshet_core::plan::Plan;
+use freshet_core::snapshot::Snapshot;
+use freshet_core::solver::{FluidSolver, Schedule, SolverError};
+use freshet_core::step::{StepInput, StepReport};
+
+use crate::prediction::substeps_to_encode;
+use crate::report::Arrival;
+use crate::solver::{GpuSolver, TickMemo};
+
+impl FluidSolver for GpuSolver {
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
+    /// Encodes the predicted substeps, waits, and encodes more until the tick is covered.
+    fn step(&mut self, input: &StepInput) -> Result<StepReport, SolverError> {
+        self.finish_ticks()?;
+        let started = Instant::now();
+        let queue = self.queue.clone();
+        self.prepare(&queue, input)?;
+        self.submit(|solver, encoder| solver.encode(encoder))?;
+        let mut passes = Vec::new();
+        loop {
+            let Some((about, bytes)) = self.readback.finish(&self.device)?.pop() else {
+                return Err(SolverError::Device("the tick's report did not arrive".to_owned()));
+            };
+            let control = Arrival::parse(&bytes, self.plan.bodies.len())?.control;
+            let elapsed = started.elapsed().as_secs_f32() * 1e3;
+            let in_time = self.plan.budget_milliseconds.is_none_or(|budget| elapsed < budget);
+            let more = if control.going != 0 && in_time {
+                substeps_to_encode(&self.plan.parameters, control.remaining, control.smallest_substep)
+            } else {
+                0
+            };
+            if more == 0 {
+                let mut report = self.account(&about, &bytes)?;
+                self.known.milliseconds = elapsed / report.substeps.max(1) as f32;
+                if !passes.is_empty() {
+                    report.passes = passes;
+                }
+                return Ok(report);
+            }
+            if let Some(timer) = &self.timer
+                && passes.is_empty()
+            {
+                // The stamps of the first chunk stand for the whole tick: scaled when the number of substeps is known.
+                let stamps = Arrival::parse(&bytes, self.plan.bodies.len())?.stamps;
+                passes = timer.times(&stamps, about.encoded, control.substeps);
+            }
+            self.submit(|solver, encoder| {
+                solver.encode_substeps(encoder, more);
+                solver.encode_report(encoder, TickMemo { encoded: more, ..about })
+            })?;
+        }
+    }
+
+    fn read(&mut self, field: Field) -> Result<FieldData, SolverError> {
+        self.read_field(field)
+    }
+
+    fn snapshot(&mut self) -> Result<Snapshot, SolverError> {
+        self.take_snapshot()
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SolverError> {
+        self.load_snapshot(snapshot)
+    }
+
+    fn reconfigure(&mut self, plan: Plan) -> Result<(), SolverError> {
+        let snapshot = self.take_snapshot()?;
+        let mut next = Self::new(&self.device, &self.queue, plan, self.options)?;
+        next.load_snapshot(&snapshot)?;
+        next.generation = self.generation + 1;
+        *self = next;
+        Ok(())
+    }
+}

@@ -1,0 +1,70 @@
+//! The plan's numbers as the shaders use them, each product of constants formed once in double precision.
+
+use freshet_core::equation_of_state::EquationOfState;
+use freshet_core::plan::Plan;
+use freshet_core::step::StepInput;
+use glam::UVec3;
+
+use crate::cells::CellTables;
+use crate::layout::Parameters;
+
+/// The uniform of a plan.
+pub(crate) fn parameters(plan: &Plan) -> Parameters {
+    let p = &plan.parameters;
+    let radius = f64::from(p.support_radius);
+    let value_scale = p.kernel.normalisation() / radius.powi(3);
+    let slope_scale = value_scale / (radius * radius);
+    let (mass, rest) = (f64::from(p.particle_mass), f64::from(p.rest_density));
+    let density = value_scale / f64::from(p.density_calibration);
+    let force = slope_scale / f64::from(p.gradient_calibration);
+    let h = f64::from(p.smoothing_length);
+    let (stiffness, reference_pressure, exponent) = match p.pressure_law.equation {
+        EquationOfState::IdealGas { stiffness } | EquationOfState::Desbrun { stiffness } => {
+            (f64::from(stiffness), 0.0, 1.0)
+        }
+        EquationOfState::Harada { reference_pressure, stiffness } => (f64::from(stiffness), reference_pressure, 1.0),
+        EquationOfState::Tait { sound_speed, exponent } => {
+            (rest * f64::from(sound_speed).powi(2) / f64::from(exponent), 0.0, exponent)
+        }
+        EquationOfState::Linear { sound_speed } => (f64::from(sound_speed).powi(2), 0.0, 1.0),
+    };
+    let tables = CellTables::of(plan);
+    Parameters {
+        cell_mask: plan.grid.dimensions() - UVec3::ONE,
+        cells: plan.grid.cells(),
+        bounds_min: p.bounds_min,
+        inverse_cell_size: 1.0 / plan.grid.cell_size,
+        bounds_max: p.bounds_max,
+        inverse_support_radius: (1.0 / radius) as f32,
+        log_cells_x: plan.grid.log_cells.x,
+        log_cells_xy: plan.grid.log_cells.x + plan.grid.log_cells.y,
+        squared_support_radius: (radius * radius) as f32,
+        fluid_density_scale: (mass * density) as f32,
+        sample_density_scale: (rest * density) as f32,
+        fluid_force_scale: (mass * force) as f32,
+        sample_force_scale: (rest * force) as f32,
+        body_force_scale: (mass * rest * force) as f32,
+        rest_density: p.rest_density,
+        inverse_rest_density: (1.0 / rest) as f32,
+        stiffness: stiffness as f32,
+        reference_pressure,
+        exponent,
+        viscosity_scale: (2.0 * f64::from(p.artificial_viscosity) * f64::from(p.sound_speed) * h) as f32,
+        viscosity_softening: (0.01 * h * h) as f32,
+        smoothing_length: p.smoothing_length,
+        sound_speed: p.sound_speed,
+        courant_factor: p.courant_factor,
+        force_factor: p.force_factor,
+        viscous_limit: p.viscous_limit(),
+        longest_tick: StepInput::MAX_DURATION,
+        max_substeps: p.max_substeps,
+        wall_samples: plan.boundary.positions.len() as u32,
+        body_samples: plan.body_samples() as u32,
+        bodies: plan.bodies.len() as u32,
+        body_counts: tables.body_counts,
+        wall_starts: tables.wall_starts,
+        body_starts: tables.body_starts,
+        block_sums: tables.block_sums,
+        ..Default::default()
+    }
+}

@@ -1,0 +1,42 @@
+//! How many substeps to encode before the GPU has said how many it needs.
+
+use freshet_core::plan::Parameters;
+
+/// Substeps encoded beyond the predicted ones; those not needed dispatch nothing.
+pub(crate) const SPARE_SUBSTEPS: u32 = 2;
+
+/// The number of substeps to encode for `asked` seconds, when the last known substep was `last` seconds (zero for none).
+pub(crate) fn substeps_to_encode(parameters: &Parameters, asked: f32, last: f32) -> u32 {
+    if asked <= 0.0 {
+        return 0;
+    }
+    let known = if last > 0.0 {
+        last
+    } else {
+        parameters.substep_limit(parameters.expected_speed, parameters.gravity.length())
+    };
+    let predicted = (asked / known - 1e-3).ceil().clamp(1.0, 1e6) as u32;
+    predicted.saturating_add(SPARE_SUBSTEPS).min(parameters.max_substeps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use freshet_core::plan::Plan;
+    use freshet_core::scene::{FluidScene, Volume};
+    use glam::Vec3;
+
+    #[test]
+    fn follows_the_last_substep_and_starts_from_the_expected_speed() {
+        let scene = FluidScene {
+            volumes: vec![Volume::block(Vec3::splat(0.5), Vec3::ZERO)],
+            ..FluidScene::with_spacing(0.1)
+        };
+        let parameters = Plan::new(&scene).unwrap().parameters;
+        assert_eq!(substeps_to_encode(&parameters, 0.01, 0.001), 10 + SPARE_SUBSTEPS);
+        assert_eq!(substeps_to_encode(&parameters, 0.0, 0.001), 0);
+        let limit = parameters.substep_limit(parameters.expected_speed, 9.81);
+        assert_eq!(substeps_to_encode(&parameters, 3.0 * limit, 0.0), 3 + SPARE_SUBSTEPS);
+        assert_eq!(substeps_to_encode(&Parameters { max_substeps: 4, ..parameters }, 1.0, 1e-3), 4);
+    }
+}

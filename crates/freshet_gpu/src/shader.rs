@@ -1,0 +1,128 @@
+//! Composes WGSL: library modules, the generated bindings and a pass become one naga module.
+
+use std::collections::HashMap;
+
+use freshet_core::equation_of_state::EquationOfState;
+use freshet_core::kernel::KernelKind;
+use freshet_core::plan::Plan;
+use freshet_core::solver::SolverError;
+use freshet_shaders::library;
+use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
+use wgpu::naga;
+
+use crate::layout::bindings_module;
+use crate::options::GpuOptions;
+use crate::passes::{Arguments, Pass};
+
+/// Cells that a workgroup of the prefix sum handles.
+pub(crate) const SCAN_BLOCK: u32 = 1024;
+
+/// Most workgroups along one axis of a dispatch, WebGPU's default limit.
+pub(crate) const MAX_WORKGROUPS: u32 = 65_535;
+
+type Definitions = HashMap<String, ShaderDefValue>;
+
+/// What the plan and the options select in the shaders.
+pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitions, SolverError> {
+    let parameters = &plan.parameters;
+    let mut definitions = Definitions::new();
+    let mut number = |name: &str, value: u32| definitions.insert(name.to_owned(), ShaderDefValue::UInt(value));
+    number("WORKGROUP_SIZE", options.workgroup_size);
+    number("MAX_WORKGROUPS", MAX_WORKGROUPS);
+    number("SCAN_BLOCK", SCAN_BLOCK);
+    number("ARGUMENTS_PARTICLES", Arguments::Particles as u32);
+    number("ARGUMENTS_CELLS", Arguments::Cells as u32);
+    number("ARGUMENTS_SAMPLES", Arguments::Samples as u32);
+    number("ARGUMENTS_BODIES", Arguments::Bodies as u32);
+    number("ARGUMENTS_MOTION", Arguments::Motion as u32);
+    number("ARGUMENTS_BODY_MOTION", Arguments::BodyMotion as u32);
+    number("ARGUMENTS_DRAW", 3 * Arguments::COUNT);
+
+    let mut set = |name: &str| definitions.insert(name.to_owned(), ShaderDefValue::Bool(true));
+    let walls = !plan.boundary.positions.is_empty();
+    let bodies = !plan.bodies.is_empty();
+    for (name, condition) in [
+        ("WALLS", walls),
+        ("BODIES", bodies),
+        ("SAMPLES", walls || bodies),
+        ("VISCOSITY", parameters.artificial_viscosity > 0.0),
+        ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),
+    ] {
+        if condition {
+            set(name);
+        }
+    }
+    set(kernel_definition(parameters.kernel)?);
+    match parameters.pressure_law.equation {
+        EquationOfState::IdealGas { .. } => set("EQUATION_IDEAL_GAS"),
+        EquationOfState::Tait { exponent, .. } => {
+            if exponent == 7.0 {
+                set("EXPONENT_SEVEN");
+            }
+            set("EQUATION_TAIT")
+        }
+        EquationOfState::Desbrun { .. } | EquationOfState::Harada { .. } | EquationOfState::Linear { .. } => {
+            set("EQUATION_LINEAR")
+        }
+    };
+    Ok(definitions)
+}
+
+fn kernel_definition(kernel: KernelKind) -> Result<&'static str, SolverError> {
+    Ok(match kernel {
+        KernelKind::Gaussian => "KERNEL_GAUSSIAN",
+        KernelKind::CubicSpline => "KERNEL_CUBIC_SPLINE",
+        KernelKind::QuinticSpline => "KERNEL_QUINTIC_SPLINE",
+        KernelKind::Quadratic => "KERNEL_QUADRATIC",
+        KernelKind::Quartic => "KERNEL_QUARTIC",
+        KernelKind::WendlandC2 => "KERNEL_WENDLAND_C2",
+        KernelKind::Poly6 => "KERNEL_POLY6",
+        KernelKind::Spiky => "KERNEL_SPIKY",
+        KernelKind::Viscosity => {
+            return Err(SolverError::Unsupported {
+                backend: "gpu",
+                what: "kernel viscosity".to_owned(),
+                reason: "it is a Laplacian only; use another kernel for density and pressure".to_owned(),
+            });
+        }
+    })
+}
+
+/// Composes one pass.
+pub(crate) fn compose(pass: &Pass, definitions: &Definitions, options: &GpuOptions) -> Result<naga::Module, SolverError> {
+    let patched = |source: &str| match options.patch {
+        Some((from, to)) => source.replace(from, to),
+        None => source.to_owned(),
+    };
+    let mut definitions = definitions.clone();
+    definitions.insert(pass.name.to_uppercase(), ShaderDefValue::Bool(true));
+    let mut composer = Composer::default();
+    let bindings = bindings_module(&pass.uses);
+    let modules = std::iter::once(("generated/bindings.wgsl", bindings.as_str()))
+        .chain(library::ALL.iter().map(|file| (file.path, file.source)));
+    for (path, source) in modules {
+        let added = composer.add_composable_module(ComposableModuleDescriptor {
+            source: &patched(source),
+            file_path: path,
+            ..Default::default()
+        });
+        if let Err(error) = added {
+            return Err(SolverError::Device(format!("{path}: {}", error.emit_to_string(&composer))));
+        }
+    }
+    let module = composer.make_naga_module(NagaModuleDescriptor {
+        source: &patched(pass.file.source),
+        file_path: pass.file.path,
+        shader_defs: definitions,
+        ..Default::default()
+    });
+    module.map_err(|error| SolverError::Device(format!("{} ({}): {}", pass.file.path, pass.name, error.emit_to_string(&composer))))
+}
+
+/// A module as WGSL, without what its entry point does not use.
+pub(crate) fn text(mut module: naga::Module) -> Option<String> {
+    naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
+    let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), Default::default());
+    let info = validator.validate(&module).ok()?;
+    naga::back::wgsl::write_string(&module, &info, naga::back::wgsl::WriterFlags::empty()).ok()
+}

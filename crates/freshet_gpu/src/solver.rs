@@ -1,0 +1,331 @@
+//! The solver: what it owns, how it is made, and the three calls of the pipelined mode.
+
+use std::collections::VecDeque;
+
+use freshet_core::plan::Plan;
+use freshet_core::solver::{Schedule, ScheduledBuffer, SolverError};
+use freshet_core::step::{StepInput, StepReport};
+use glam::Vec3;
+
+use crate::buffers::{Buffers, INPUT_STRIDE, TICK_SLOTS};
+use crate::commands::{CommandPipelines, Edits};
+use crate::layout::{Binding, BodyInputRecord, ParticleRecord, StepControl, TickRecord};
+use crate::options::GpuOptions;
+use crate::passes::{Arguments, begin_bodies, begin_tick, substep_passes};
+use crate::pipelines::Pipeline;
+use crate::pool::initial_capacity;
+use crate::prediction::substeps_to_encode;
+use crate::readback::Readback;
+use crate::report::Arrival;
+use crate::shader::{compose, definitions, text};
+use crate::timing::Timer;
+
+/// A tick that was told to the solver and waits to be encoded.
+#[derive(Debug)]
+pub(crate) struct PreparedTick {
+    pub about: TickMemo,
+    pub slot: u32,
+    pub edits: Edits,
+}
+
+/// What the CPU remembers of a tick until its report arrives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TickMemo {
+    pub tick: u64,
+    /// Substeps encoded.
+    pub encoded: u32,
+    /// Particles it spawns.
+    pub spawned: u32,
+}
+
+/// What the last report that arrived said.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Known {
+    pub particles: u32,
+    pub substep: f32,
+    pub carry: f32,
+    /// Wall time of one substep, ms; zero if it was never measured.
+    pub milliseconds: f32,
+}
+
+/// A [`Plan`] executed on a GPU.
+///
+/// Each tick is one `prepare`, one `encode`, one submit and one `collect`; several ticks may be prepared and encoded
+/// before a submit, up to eight before a `collect`.
+#[derive(Debug)]
+pub struct GpuSolver {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) plan: Plan,
+    pub(crate) options: GpuOptions,
+    pub(crate) schedule: Schedule,
+    pub(crate) buffers: Buffers,
+    pub(crate) begin: Vec<Pipeline>,
+    pub(crate) substep: Vec<Pipeline>,
+    pub(crate) commands: CommandPipelines,
+    /// Bind groups of `begin`, then of `substep`.
+    pub(crate) groups: Vec<wgpu::BindGroup>,
+    pub(crate) timer: Option<Timer>,
+    pub(crate) readback: Readback<TickMemo>,
+    pub(crate) prepared: VecDeque<PreparedTick>,
+    /// Particles spawned by each tick whose report has not arrived.
+    pub(crate) spawning: VecDeque<u32>,
+    pub(crate) known: Known,
+    pub(crate) generation: u64,
+    pub(crate) gravity: Vec3,
+    pub(crate) time: f64,
+    pub(crate) ticks: u64,
+    next_slot: u32,
+}
+
+/// The solver's buffers, for those who draw or read them on the GPU. They have `STORAGE` and `COPY_SRC`.
+#[derive(Clone, Copy, Debug)]
+pub struct FluidBuffers<'a> {
+    /// `array<ParticleRecord>`, 32 bytes each: `position: vec3<f32>` (m), `id: u32`, `velocity: vec3<f32>` (m/s),
+    /// `remaining_life: f32` (s).
+    pub particles: &'a wgpu::Buffer,
+    /// `array<vec2<f32>>`: density (kg/m3) and pressure over its square.
+    pub densities: &'a wgpu::Buffer,
+    /// `array<vec4<f32>>`: acceleration (m/s2), then zero.
+    pub accelerations: &'a wgpu::Buffer,
+    /// [`StepControl`]; the number of particles is its member `count`.
+    pub control: &'a wgpu::Buffer,
+    /// Has `INDIRECT`. At [`draw_offset`](Self::draw_offset): `DrawIndirectArgs` of four vertices and an instance for
+    /// each particle, for `draw_indirect` with a triangle strip.
+    pub arguments: &'a wgpu::Buffer,
+    /// Offset of the arguments of drawing in bytes.
+    pub draw_offset: u64,
+    /// Changes whenever buffers were replaced by larger or smaller ones, so that bind groups must be made anew.
+    pub generation: u64,
+}
+
+impl GpuSolver {
+    /// Lowers a plan to passes and buffers, compiles and allocates them, and uploads the start.
+    ///
+    /// # Errors
+    /// [`SolverError::WeakAdapter`] if a buffer would be larger than the device allows, [`SolverError::Unsupported`],
+    /// or [`SolverError::Device`].
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        plan: Plan,
+        options: GpuOptions,
+    ) -> Result<Self, SolverError> {
+        options.validate()?;
+        let definitions = definitions(&plan, &options)?;
+        let compile = |pass| Pipeline::new(device, compose(&pass, &definitions, &options)?, pass);
+        let substep = substep_passes(&plan).into_iter().map(compile).collect::<Result<Vec<_>, _>>()?;
+        let mut begin = vec![compile(begin_tick())?];
+        if !plan.bodies.is_empty() {
+            begin.push(compile(begin_bodies())?);
+        }
+        let commands = CommandPipelines::new(options.workgroup_size, compile)?;
+
+        let start = plan.positions.len() as u32;
+        let buffers = Buffers::new(device, queue, &plan, initial_capacity(start, plan.max_particles))?;
+        let names = substep.iter().map(|pipeline| pipeline.pass.name).collect();
+        let timer = if options.time_stamps { Timer::new(device, queue, names)? } else { None };
+        let mut solver = Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            schedule: Schedule { backend: "gpu", passes: Vec::new(), buffers: Vec::new(), capacity: 0 },
+            readback: Readback::new(device, TICK_SLOTS, report_bytes(&buffers, timer.as_ref()))?,
+            gravity: plan.parameters.gravity,
+            plan,
+            options,
+            buffers,
+            begin,
+            substep,
+            commands,
+            groups: Vec::new(),
+            timer,
+            prepared: VecDeque::new(),
+            spawning: VecDeque::new(),
+            known: Known::default(),
+            generation: 0,
+            time: 0.0,
+            ticks: 0,
+            next_slot: 0,
+        };
+        solver.rebind()?;
+        solver.upload_start();
+        Ok(solver)
+    }
+
+    /// Tells the solver of a tick. Uploads take effect at the next submit.
+    ///
+    /// # Errors
+    /// An input out of range, or eight ticks that were not collected.
+    pub fn prepare(&mut self, queue: &wgpu::Queue, input: &StepInput) -> Result<(), SolverError> {
+        input.validate(self.plan.bodies.len())?;
+        if self.prepared.len() + self.readback.in_flight() >= TICK_SLOTS {
+            return Err(SolverError::Device(format!("{TICK_SLOTS} ticks are prepared and none collected")));
+        }
+        let slot = self.next_slot;
+        self.next_slot = (slot + 1) % TICK_SLOTS as u32;
+        let edits = Edits::of(&input.commands, &mut self.gravity);
+        let bodies = self.plan.bodies.len() as u32;
+        let record = TickRecord {
+            gravity: self.gravity,
+            duration: input.duration,
+            tick: halves(input.tick),
+            tick_plus_one: halves(input.tick + 1),
+            first_body: slot * bodies,
+            ..Default::default()
+        };
+        self.buffers.write_at(queue, Binding::Input, INPUT_STRIDE * u64::from(slot), &[record]);
+        let given: Vec<BodyInputRecord> = input.bodies.iter().map(BodyInputRecord::from).collect();
+        let offset = u64::from(slot * bodies) * size_of::<BodyInputRecord>() as u64;
+        self.buffers.write_at(queue, Binding::BodyInputs, offset, &given);
+
+        let about = TickMemo {
+            tick: input.tick,
+            encoded: self.substeps_within_budget(input.duration + self.known.carry),
+            spawned: edits.spawned(),
+        };
+        self.prepared.push_back(PreparedTick { about, slot, edits });
+        Ok(())
+    }
+
+    /// Reports of ticks that are done, in order. Call it after each submit; it waits only while more than
+    /// [`TICKS_IN_FLIGHT`](crate::TICKS_IN_FLIGHT) ticks are on their way.
+    ///
+    /// # Errors
+    /// If the device failed.
+    pub fn collect(&mut self, device: &wgpu::Device) -> Result<Vec<StepReport>, SolverError> {
+        let arrived = self.readback.collect(device)?;
+        arrived.into_iter().map(|(about, bytes)| self.account(&about, &bytes)).collect()
+    }
+
+    /// How often the CPU waited for the GPU: never, in the pipelined mode, unless more than
+    /// [`TICKS_IN_FLIGHT`](crate::TICKS_IN_FLIGHT) ticks were on their way.
+    pub fn waits(&self) -> u64 {
+        self.readback.waits()
+    }
+
+    /// Ticks that were encoded and whose reports have not arrived.
+    pub fn ticks_in_flight(&self) -> usize {
+        self.readback.in_flight()
+    }
+
+    /// What renderers and user shaders may read.
+    ///
+    /// # Errors
+    /// Never for a solver that was made; the type says so because nothing here panics.
+    pub fn buffers(&self) -> Result<FluidBuffers<'_>, SolverError> {
+        let get = |binding: Binding| {
+            self.buffers.get(binding).ok_or_else(|| SolverError::Device(format!("no buffer {}", binding.name())))
+        };
+        Ok(FluidBuffers {
+            particles: get(Binding::Particles)?,
+            densities: get(Binding::Densities)?,
+            accelerations: get(Binding::Accelerations)?,
+            control: get(Binding::Control)?,
+            arguments: get(Binding::Arguments)?,
+            draw_offset: 12 * u64::from(Arguments::COUNT),
+            generation: self.generation,
+        })
+    }
+
+    /// Bytes of all buffers the solver holds, as the buffers themselves say. A tick's commands travel in buffers of that
+    /// tick, which are not in the schedule.
+    pub fn allocated_bytes(&self) -> u64 {
+        let timer = self.timer.as_ref().map_or(0, |timer| timer.buffer().size());
+        self.buffers.bytes() + self.readback.bytes() + timer
+    }
+
+    /// The WGSL of a pass as the plan selected it, without what it does not use; none if the plan does not have it.
+    pub fn shader(&self, pass: &str) -> Option<String> {
+        let pipeline = self.begin.iter().chain(&self.substep).find(|pipeline| pipeline.pass.name == pass)?;
+        let definitions = definitions(&self.plan, &self.options).ok()?;
+        text(compose(&pipeline.pass, &definitions, &self.options).ok()?)
+    }
+
+    /// Takes a report into account: time, particles, the next prediction.
+    pub(crate) fn account(&mut self, about: &TickMemo, bytes: &[u8]) -> Result<StepReport, SolverError> {
+        let arrival = Arrival::parse(bytes, self.plan.bodies.len())?;
+        let mut report = arrival.report(about.tick);
+        if let Some(timer) = &self.timer {
+            report.passes = timer.times(&arrival.stamps, about.encoded, report.substeps);
+            let total: f32 = report.passes.iter().map(|pass| pass.milliseconds).sum();
+            self.known.milliseconds = total / report.substeps.max(1) as f32;
+        }
+        self.known.particles = report.particles;
+        self.known.carry = arrival.control.remaining.min(StepInput::MAX_DURATION);
+        if report.smallest_substep > 0.0 {
+            self.known.substep = report.smallest_substep;
+        }
+        self.spawning.pop_front();
+        self.time += report.simulated;
+        self.ticks = about.tick + 1;
+        Ok(report)
+    }
+
+    /// The substeps to encode for `asked` seconds, no more than the plan's budget allows where their cost is known.
+    pub(crate) fn substeps_within_budget(&self, asked: f32) -> u32 {
+        let predicted = substeps_to_encode(&self.plan.parameters, asked, self.known.substep);
+        match self.plan.budget_milliseconds {
+            Some(budget) if self.known.milliseconds > 0.0 => {
+                predicted.min((budget / self.known.milliseconds).max(1.0) as u32)
+            }
+            _ => predicted,
+        }
+    }
+
+    /// Makes the bind groups and the schedule anew, after buffers were replaced.
+    pub(crate) fn rebind(&mut self) -> Result<(), SolverError> {
+        let pipelines = self.begin.iter().chain(&self.substep);
+        self.groups = crate::errors::guarded(&self.device, "making bind groups", || {
+            pipelines.map(|pipeline| pipeline.bind(&self.device, &self.buffers, &[])).collect()
+        })?;
+        self.generation += 1;
+        let mut buffers = self.buffers.scheduled();
+        let mut other = |name, bytes| buffers.push(ScheduledBuffer { name, bytes, per_particle: false });
+        other("report_staging", self.readback.bytes());
+        if let Some(timer) = &self.timer {
+            other("time_stamps", timer.buffer().size());
+        }
+        self.schedule = Schedule {
+            backend: "gpu",
+            passes: self.substep.iter().filter_map(|pipeline| pipeline.pass.scheduled()).collect(),
+            buffers,
+            capacity: self.buffers.capacity,
+        };
+        Ok(())
+    }
+
+    fn upload_start(&mut self) {
+        let start = self.plan.positions.iter().zip(&self.plan.velocities).enumerate();
+        let particles: Vec<ParticleRecord> = start
+            .map(|(id, (&position, &velocity))| ParticleRecord {
+                position,
+                id: id as u32,
+                velocity,
+                remaining_life: f32::INFINITY,
+            })
+            .collect();
+        let control = StepControl { next_id: particles.len() as u32, ..Default::default() };
+        self.upload_state(&particles, control);
+    }
+
+    /// Writes particles and control; `control` need not hold the number of particles.
+    pub(crate) fn upload_state(&mut self, particles: &[ParticleRecord], control: StepControl) {
+        let count = particles.len() as u32;
+        self.buffers.write(&self.queue, Binding::Particles, particles);
+        let control = StepControl { count, live: count, gravity: self.gravity, ..control };
+        self.buffers.write(&self.queue, Binding::Control, &[control]);
+        let draw = [4, count, 0, 0];
+        self.buffers.write_at(&self.queue, Binding::Arguments, 12 * u64::from(Arguments::COUNT), &draw);
+        self.known = Known { particles: count, ..Default::default() };
+    }
+}
+
+fn report_bytes(buffers: &Buffers, timer: Option<&Timer>) -> u64 {
+    let size = |binding| buffers.get(binding).map_or(0, wgpu::Buffer::size);
+    size(Binding::Control) + size(Binding::Bodies) + timer.map_or(0, |timer| timer.buffer().size())
+}
+
+/// A 64-bit number as shaders hold it.
+pub(crate) fn halves(number: u64) -> [u32; 2] {
+    [number as u32, (number >> 32) as u32]
+}

@@ -1,0 +1,180 @@
+//! Reading and writing the whole state, waiting for the GPU.
+
+use freshet_core::error::InvalidInput;
+use freshet_core::field::{Field, FieldData};
+use freshet_core::snapshot::{Exchange, Snapshot};
+use freshet_core::solver::SolverError;
+use freshet_core::step::{BodyInput, Impulse, StepInput};
+use glam::Vec3;
+
+use crate::buffers::Buffers;
+use crate::layout::{
+    Binding, BodyInputRecord, BodyRecord, ExchangeRecord, ParticleRecord, StepControl,
+};
+use crate::solver::{GpuSolver, halves};
+
+impl GpuSolver {
+    /// Waits for the ticks in flight; their reports are taken into account and dropped.
+    pub(crate) fn finish_ticks(&mut self) -> Result<(), SolverError> {
+        for (about, bytes) in self.readback.finish(&self.device)? {
+            self.account(&about, &bytes)?;
+        }
+        Ok(())
+    }
+
+    fn download<T: bytemuck::AnyBitPattern>(&mut self, binding: Binding, count: usize) -> Result<Vec<T>, SolverError> {
+        let Some(buffer) = self.buffers.get(binding) else { return Ok(Vec::new()) };
+        let bytes = (count * size_of::<T>()) as u64;
+        let data = self.readback.download(&self.device, &self.queue, buffer, bytes)?;
+        Ok(data.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
+    }
+
+    fn control(&mut self) -> Result<StepControl, SolverError> {
+        let control = self.download(Binding::Control, 1)?.pop();
+        control.ok_or_else(|| SolverError::Device("the control buffer is gone".to_owned()))
+    }
+
+    /// The bodies as the last tick left them; waits for it.
+    ///
+    /// # Errors
+    /// If the device failed.
+    pub fn body_states(&mut self) -> Result<Vec<BodyRecord>, SolverError> {
+        self.finish_ticks()?;
+        self.download(Binding::Bodies, self.plan.bodies.len())
+    }
+
+    pub(crate) fn read_field(&mut self, field: Field) -> Result<FieldData, SolverError> {
+        if !self.plan.fields.contains(&field) {
+            return Err(SolverError::NoSuchField(field.name()));
+        }
+        self.finish_ticks()?;
+        let count = self.control()?.count as usize;
+        let particles = |solver: &mut Self| solver.download::<ParticleRecord>(Binding::Particles, count);
+        let densities = |solver: &mut Self| solver.download::<[f32; 2]>(Binding::Densities, count);
+        Ok(match field {
+            Field::Id => FieldData::Integer(particles(self)?.iter().map(|particle| particle.id).collect()),
+            Field::Position => FieldData::Vector(particles(self)?.iter().map(|particle| particle.position).collect()),
+            Field::Velocity => FieldData::Vector(particles(self)?.iter().map(|particle| particle.velocity).collect()),
+            Field::Speed => {
+                FieldData::Scalar(particles(self)?.iter().map(|particle| particle.velocity.length()).collect())
+            }
+            Field::RemainingLife => {
+                FieldData::Scalar(particles(self)?.iter().map(|particle| particle.remaining_life).collect())
+            }
+            Field::Density => FieldData::Scalar(densities(self)?.iter().map(|[density, _]| *density).collect()),
+            Field::Pressure => {
+                FieldData::Scalar(densities(self)?.iter().map(|[density, term]| term * density * density).collect())
+            }
+            Field::Acceleration => {
+                let values = self.download::<[f32; 4]>(Binding::Accelerations, count)?;
+                FieldData::Vector(values.iter().map(|[x, y, z, _]| Vec3::new(*x, *y, *z)).collect())
+            }
+        })
+    }
+
+    pub(crate) fn take_snapshot(&mut self) -> Result<Snapshot, SolverError> {
+        self.finish_ticks()?;
+        let control = self.control()?;
+        let count = control.count as usize;
+        let mut particles: Vec<ParticleRecord> = self.download(Binding::Particles, count)?;
+        particles.sort_unstable_by_key(|particle| particle.id);
+        let bodies = self.download::<BodyRecord>(Binding::Bodies, self.plan.bodies.len())?;
+        Ok(Snapshot {
+            tick: self.ticks,
+            time: self.time,
+            carry: control.remaining.min(StepInput::MAX_DURATION),
+            next_id: control.next_id,
+            gravity: self.gravity,
+            ids: particles.iter().map(|particle| particle.id).collect(),
+            positions: particles.iter().map(|particle| particle.position).collect(),
+            velocities: particles.iter().map(|particle| particle.velocity).collect(),
+            remaining_lives: particles.iter().map(|particle| particle.remaining_life).collect(),
+            exchanges: bodies.iter().map(|body| body.exchanges.map(Exchange::from)).collect(),
+        })
+    }
+
+    pub(crate) fn load_snapshot(&mut self, snapshot: &Snapshot) -> Result<(), SolverError> {
+        snapshot.validate()?;
+        let count = snapshot.ids.len() as u32;
+        if count > self.plan.max_particles {
+            let allowed = format!("at most {}, the plan's max_particles", self.plan.max_particles);
+            return Err(InvalidInput::new("ids", format_args!("{count} particles"), allowed).into());
+        }
+        self.finish_ticks()?;
+        self.prepared.clear();
+        self.spawning.clear();
+        if count > self.buffers.capacity {
+            let capacity = count.next_power_of_two().min(self.plan.max_particles);
+            self.buffers = Buffers::new(&self.device, &self.queue, &self.plan, capacity)?;
+            self.rebind()?;
+        }
+        self.gravity = snapshot.gravity;
+        self.time = snapshot.time;
+        self.ticks = snapshot.tick;
+        let particles: Vec<ParticleRecord> = (0..snapshot.ids.len())
+            .map(|index| ParticleRecord {
+                position: snapshot.positions[index],
+                id: snapshot.ids[index],
+                velocity: snapshot.velocities[index],
+                remaining_life: snapshot.remaining_lives[index],
+            })
+            .collect();
+        let control = StepControl { next_id: snapshot.next_id, remaining: snapshot.carry, ..Default::default() };
+        self.upload_state(&particles, control);
+        self.known.carry = snapshot.carry;
+        self.upload_exchanges(&snapshot.exchanges)
+    }
+
+    /// Writes what the bodies' engines have not heard of; bodies that the snapshot does not know have none.
+    fn upload_exchanges(&mut self, exchanges: &[[Exchange; 4]]) -> Result<(), SolverError> {
+        let mut bodies = self.download::<BodyRecord>(Binding::Bodies, self.plan.bodies.len())?;
+        for (index, body) in bodies.iter_mut().enumerate() {
+            let known = exchanges.get(index).copied().unwrap_or_default();
+            body.exchanges = known.map(ExchangeRecord::from);
+        }
+        self.buffers.write(&self.queue, Binding::Bodies, &bodies);
+        Ok(())
+    }
+}
+
+impl From<ExchangeRecord> for Exchange {
+    fn from(record: ExchangeRecord) -> Self {
+        let [low, high] = record.tick_plus_one;
+        Self {
+            tick_plus_one: u64::from(low) | u64::from(high) << 32,
+            error: Impulse { linear: record.linear, angular: record.angular },
+        }
+    }
+}
+
+impl From<Exchange> for ExchangeRecord {
+    fn from(exchange: Exchange) -> Self {
+        Self {
+            linear: exchange.error.linear,
+            angular: exchange.error.angular,
+            tick_plus_one: halves(exchange.tick_plus_one),
+            ..Default::default()
+        }
+    }
+}
+
+impl From<&BodyInput> for BodyInputRecord {
+    fn from(body: &BodyInput) -> Self {
+        Self {
+            position: body.position,
+            inverse_mass: body.inverse_mass,
+            rotation: body.rotation.to_array(),
+            linear_velocity: body.linear_velocity,
+            is_free: u32::from(body.free),
+            angular_velocity: body.angular_velocity,
+            inertia_x: body.inverse_inertia.x_axis,
+            inertia_y: body.inverse_inertia.y_axis,
+            inertia_z: body.inverse_inertia.z_axis,
+            acceleration: body.acceleration,
+            forecast_linear: body.forecast.linear,
+            forecast_angular: body.forecast.angular,
+            corrected_before: halves(body.corrected_before),
+            ..Default::default()
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! The same bits whatever the workgroup size, and from run to run.
+
+use freshet_core::prelude::*;
+use freshet_gpu::GpuOptions;
+
+use crate::common::{dam_break, solver_with, tick};
+
+fn state_after(workgroup_size: u32, substeps: u32) -> Snapshot {
+    let mut solver = solver_with(&dam_break(0.05), GpuOptions { workgroup_size, ..Default::default() });
+    let (mut made, mut number) = (0, 0);
+    while made < substeps {
+        let report = solver.step(&tick(number, 1.0 / 60.0)).unwrap();
+        assert_eq!((report.particles, report.removed), (1000, 0));
+        assert_eq!(report.time_scale, 1.0);
+        assert!(report.max_compression < 0.05, "{report:?}");
+        made += report.substeps;
+        number += 1;
+    }
+    solver.snapshot().unwrap()
+}
+
+#[test]
+fn bits_do_not_depend_on_the_workgroup_size() {
+    let reference = state_after(64, 50);
+    assert!(reference.velocities.iter().any(|velocity| velocity.x > 0.1), "the dam does not break");
+    for size in [32, 256] {
+        assert!(state_after(size, 50) == reference, "workgroup size {size} gives other bits than 64");
+    }
+}
+
+#[test]
+fn a_second_run_gives_the_same_bits() {
+    assert!(state_after(64, 50) == state_after(64, 50));
+}

@@ -1,0 +1,140 @@
+//! Density, pressure and acceleration of the shipped shaders against the reference, for every kernel and equation of
+//! state; and proof that this would notice a wrong constant.
+
+use freshet_core::prelude::*;
+use freshet_gpu::{GpuOptions, GpuSolver};
+
+use crate::common::{INSTANT, dam_break, place, random_vector, solver_with, tick};
+use crate::reference::{expected, walls};
+
+/// Particles as they are in a moving fluid, at walls and away from them, on both sides of cell boundaries and of zero,
+/// where the grid wraps; pairs at 0.9999, 1 and 1.0001 of the support radius; and a group a whole grid away, which shares
+/// its cells with the first.
+fn moving_fluid(plan: &Plan) -> (Vec<Vec3>, Vec<Vec3>) {
+    let d = plan.parameters.spacing;
+    let radius = plan.parameters.support_radius;
+    let mut positions = Vec::new();
+    for i in 0..6 {
+        for j in 0..5 {
+            for k in 0..5 {
+                let jitter = 0.3 * d * random_vector(positions.len(), 1);
+                positions.push(Vec3::new(i as f32 - 1.5, j as f32 + 0.5, k as f32 - 1.5) * d + jitter);
+            }
+        }
+    }
+    let period = plan.grid.dimensions().as_vec3() * plan.grid.cell_size;
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        let group: Vec<Vec3> = positions[..20].iter().map(|&x| x + axis * period).collect();
+        positions.extend(group);
+    }
+    let lonely = Vec3::new(0.7, 1.3, 0.2);
+    for (index, ratio) in [0.9999, 1.0, 1.0001].into_iter().enumerate() {
+        let base = lonely + Vec3::Y * 4.0 * radius * index as f32;
+        positions.push(base);
+        positions.push(base + Vec3::X * ratio * radius);
+        positions.push(base + Vec3::new(0.6, 0.0, 0.8) * ratio * radius);
+    }
+    let velocities = (0..positions.len()).map(|index| 2.0 * random_vector(index, 2)).collect();
+    (positions, velocities)
+}
+
+/// The largest errors of density (relative to itself), pressure (relative to itself and to what twice the density would
+/// add at its slope) and acceleration (relative to the sum of its terms' sizes).
+fn errors(solver: &mut GpuSolver) -> [f64; 3] {
+    let plan = solver.plan().clone();
+    let (positions, velocities) = moving_fluid(&plan);
+    let ids: Vec<u32> = (0..positions.len() as u32).collect();
+    place(solver, &ids, &positions, &velocities);
+    let report = solver.step(&tick(0, INSTANT)).unwrap();
+    assert_eq!((report.particles, report.substeps), (ids.len() as u32, 1));
+
+    let order = solver.read(Field::Id).unwrap().integers().unwrap();
+    let mut by_id = |field| solver.read(field).unwrap().sorted_by_id(&order);
+    let density = by_id(Field::Density).scalars().unwrap();
+    let pressure = by_id(Field::Pressure).scalars().unwrap();
+    let acceleration = by_id(Field::Acceleration).vectors().unwrap();
+    let p = &plan.parameters;
+    let rest = f64::from(p.rest_density);
+    let law = |density: f64| p.pressure_law.equation.pressure(rest, density);
+    let mut worst = [0.0f64; 3];
+    for (a, wanted) in expected(&plan, &positions, &velocities, &walls(&plan)).iter().enumerate() {
+        let slope = (law(1.0001 * wanted.density) - law(wanted.density)) / 1e-4;
+        let found = [
+            (f64::from(density[a]) - wanted.density).abs() / wanted.density,
+            (f64::from(pressure[a]) - wanted.pressure).abs() / (slope + wanted.pressure.abs()),
+            (acceleration[a].as_dvec3() - wanted.acceleration).length() / wanted.magnitude,
+        ];
+        for (worst, found) in worst.iter_mut().zip(found) {
+            assert!(found.is_finite(), "particle {a}: {wanted:?}");
+            *worst = worst.max(found);
+        }
+    }
+    worst
+}
+
+/// Sums of some forty terms in single precision are good to 1e-5, and so is a pressure as good as its density; a stiff
+/// law makes a hundred times that of it where the pressure is small against the stiffness, and so do forces.
+const TOLERANCES: [f64; 3] = [1e-5, 1e-5, 3e-4];
+
+/// The same for the Gaussian: llvmpipe's exp() is good to 1e-5, and so are many GPUs'.
+const GAUSSIAN_TOLERANCES: [f64; 3] = [3e-5, 3e-5, 1e-2];
+
+fn check(scene: &FluidScene) {
+    let found = errors(&mut solver_with(scene, GpuOptions::default()));
+    let gaussian = scene.settings.kernel == KernelKind::Gaussian;
+    let tolerances = if gaussian { GAUSSIAN_TOLERANCES } else { TOLERANCES };
+    for ((found, tolerance), what) in found.into_iter().zip(tolerances).zip(["density", "pressure", "acceleration"]) {
+        assert!(found < tolerance, "{:?}: {what} is off by {found:e}, allowed {tolerance:e}", scene.settings);
+    }
+}
+
+#[test]
+fn every_kernel_gives_the_forces_of_the_reference() {
+    for kernel in KernelKind::WITH_GRADIENT {
+        let settings = Settings { kernel, ..Default::default() };
+        check(&FluidScene { settings, ..dam_break(0.05) });
+    }
+}
+
+#[test]
+fn every_equation_of_state_gives_the_forces_of_the_reference() {
+    for (equation, clamp_negative_pressure) in [
+        (EquationOfState::IdealGas { stiffness: 900.0 }, false),
+        (EquationOfState::Desbrun { stiffness: 900.0 }, true),
+        (EquationOfState::Harada { reference_pressure: 2000.0, stiffness: 900.0 }, false),
+        (EquationOfState::Tait { sound_speed: 30.0, exponent: 7.0 }, false),
+        (EquationOfState::Tait { sound_speed: 30.0, exponent: 3.5 }, true),
+        (EquationOfState::Linear { sound_speed: 30.0 }, false),
+    ] {
+        let settings = Settings {
+            equation_of_state: Some(equation),
+            clamp_negative_pressure,
+            allow_compressible: true,
+            ..Default::default()
+        };
+        check(&FluidScene { settings, ..dam_break(0.05) });
+    }
+}
+
+#[test]
+fn wider_supports_and_fluids_without_walls_or_viscosity_do_too() {
+    // H = 3.2 d: rows hold more particles than a word of hits has bits.
+    let wide = Settings { support: Support::Ratio(3.2), ..Default::default() };
+    check(&FluidScene { settings: wide, ..dam_break(0.05) });
+    let plain = Settings { artificial_viscosity: 0.0, ..Default::default() };
+    check(&FluidScene { settings: plain.clone(), ..dam_break(0.05) });
+    check(&FluidScene { settings: plain, boundaries: Vec::new(), ..dam_break(0.05) });
+}
+
+#[test]
+fn a_wrong_constant_would_be_noticed() {
+    for (patch, index) in [
+        (("-20.0 * p * p * p", "-20.4 * p * p * p"), 2),
+        (("(4.0 * q + 1.0)", "(4.01 * q + 1.0)"), 0),
+        (("ratio - 1.0)", "ratio - 1.001)"), 1),
+    ] {
+        let mut solver = solver_with(&dam_break(0.05), GpuOptions { patch: Some(patch), ..Default::default() });
+        let found = errors(&mut solver)[index];
+        assert!(found > TOLERANCES[index], "{patch:?} makes an error of {found:e} only");
+    }
+}

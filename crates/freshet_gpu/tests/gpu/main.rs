@@ -1,0 +1,14 @@
+//! The shipped shaders on a real device, without features, with exactly WebGPU's default limits and bounds checks on.
+//!
+//! Without an adapter these tests fail and say what to install.
+
+mod bodies;
+mod commands;
+mod common;
+mod determinism;
+mod drawing;
+mod forces;
+mod lowering;
+mod pipelined;
+mod reference;
+mod sorting;

@@ -1,0 +1,101 @@
+//! Three calls and no waiting.
+
+use freshet_core::prelude::*;
+use freshet_gpu::{GpuSolver, TICKS_IN_FLIGHT};
+
+use crate::common::{dam_break, device, solver, tick};
+
+fn submit(solver: &mut GpuSolver, input: &StepInput) {
+    let opened = device();
+    solver.prepare(&opened.queue, input).unwrap();
+    let mut encoder = opened.device.create_command_encoder(&Default::default());
+    solver.encode(&mut encoder).unwrap();
+    opened.queue.submit([encoder.finish()]);
+}
+
+/// Collects until nothing is in flight, by polling: the solver itself does not wait.
+fn drain(solver: &mut GpuSolver, reports: &mut Vec<StepReport>) {
+    while solver.ticks_in_flight() > 0 {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        reports.extend(solver.collect(&device().device).unwrap());
+    }
+}
+
+#[test]
+fn three_ticks_in_flight_never_wait_and_give_the_bits_of_lockstep() {
+    let mut lockstep = solver(&dam_break(0.05));
+    let wanted: Vec<StepReport> = (0..9).map(|n| lockstep.step(&tick(n, 1.0 / 120.0)).unwrap()).collect();
+
+    let mut pipelined = solver(&dam_break(0.05));
+    let mut reports = Vec::new();
+    for n in 0..9 {
+        submit(&mut pipelined, &tick(n, 1.0 / 120.0));
+        if n % 3 == 2 {
+            assert_eq!(pipelined.ticks_in_flight(), TICKS_IN_FLIGHT);
+            drain(&mut pipelined, &mut reports);
+        }
+    }
+    assert_eq!(pipelined.waits(), 0, "the pipelined mode waited");
+    assert_eq!(reports, wanted);
+    assert!(pipelined.snapshot().unwrap() == lockstep.snapshot().unwrap());
+}
+
+#[test]
+fn a_fourth_tick_in_flight_waits_once_and_counts_it() {
+    let mut solver = solver(&dam_break(0.05));
+    for n in 0..4 {
+        submit(&mut solver, &tick(n, 1.0 / 60.0));
+    }
+    // Collecting polls first, so that ticks which are done by then need no wait: at most one is counted, and afterwards
+    // no more than three are in flight.
+    let reports = solver.collect(&device().device).unwrap();
+    assert!(!reports.is_empty() && solver.ticks_in_flight() <= TICKS_IN_FLIGHT);
+    assert!(solver.waits() <= 1);
+    let before = solver.waits();
+    solver.snapshot().unwrap();
+    assert!(solver.waits() > before, "reading waits, and is counted");
+}
+
+#[test]
+fn several_ticks_share_an_encoder() {
+    let mut lockstep = solver(&dam_break(0.05));
+    for n in 0..3 {
+        lockstep.step(&tick(n, 0.004 * (n + 1) as f32)).unwrap();
+    }
+    let mut shared = solver(&dam_break(0.05));
+    let opened = device();
+    let mut encoder = opened.device.create_command_encoder(&Default::default());
+    for n in 0..3 {
+        shared.prepare(&opened.queue, &tick(n, 0.004 * (n + 1) as f32)).unwrap();
+    }
+    shared.encode(&mut encoder).unwrap();
+    opened.queue.submit([encoder.finish()]);
+    let mut reports = Vec::new();
+    drain(&mut shared, &mut reports);
+    assert_eq!(reports.iter().map(|report| report.tick).collect::<Vec<_>>(), [0, 1, 2]);
+    assert!(shared.snapshot().unwrap() == lockstep.snapshot().unwrap());
+}
+
+#[test]
+fn a_shortfall_is_carried_over() {
+    let mut scene = dam_break(0.05);
+    scene.settings.max_substeps = 3;
+    let mut solver = solver(&scene);
+    let first = solver.step(&tick(0, 1.0 / 60.0)).unwrap();
+    assert_eq!(first.substeps, 3);
+    assert!(first.time_scale < 1.0, "{first:?}");
+    let carry = solver.snapshot().unwrap().carry;
+    assert!((f64::from(carry) + first.simulated - 1.0 / 60.0).abs() < 1e-6);
+    let second = solver.step(&tick(1, 0.0)).unwrap();
+    assert!(second.simulated > 0.0 && second.substeps > 0, "what was left over is made up: {second:?}");
+}
+
+#[test]
+fn preparing_without_collecting_is_refused_at_eight() {
+    let mut solver = solver(&dam_break(0.05));
+    for n in 0..8 {
+        solver.prepare(&device().queue, &tick(n, 0.001)).unwrap();
+    }
+    let error = solver.prepare(&device().queue, &tick(8, 0.001)).unwrap_err();
+    assert!(error.to_string().contains("none collected"), "{error}");
+}

@@ -1,0 +1,69 @@
+//! Density and acceleration in double precision, by brute force, with the kernel of `freshet_core`: what METHODS says,
+//! not what the shaders do.
+
+use freshet_core::kernel::Kernel;
+use freshet_core::prelude::*;
+use glam::DVec3;
+
+/// Of one particle.
+#[derive(Clone, Copy, Debug)]
+pub struct Expected {
+    pub density: f64,
+    pub pressure: f64,
+    pub acceleration: DVec3,
+    /// Sum of the sizes of all terms of the acceleration: what rounding errors are relative to.
+    pub magnitude: f64,
+}
+
+/// Samples of boundaries as they are: position and volume weight.
+pub type Samples = Vec<(Vec3, f32)>;
+
+/// The walls of a plan.
+pub fn walls(plan: &Plan) -> Samples {
+    plan.boundary.positions.iter().copied().zip(plan.boundary.volumes.iter().copied()).collect()
+}
+
+/// All particles.
+pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &Samples) -> Vec<Expected> {
+    let p = &plan.parameters;
+    let kernel: Kernel = p.kernel().unwrap();
+    let (mass, rest) = (f64::from(p.particle_mass), f64::from(p.rest_density));
+    let distance = |a: Vec3, b: Vec3| a.as_dvec3().distance(b.as_dvec3());
+    let states: Vec<(f64, f64)> = positions
+        .iter()
+        .map(|&a| {
+            let fluid: f64 = positions.iter().map(|&b| kernel.value(distance(a, b))).sum();
+            let walls: f64 = samples.iter().map(|&(b, volume)| f64::from(volume) * kernel.value(distance(a, b))).sum();
+            let density = (mass * fluid + rest * walls) / f64::from(p.density_calibration);
+            (density, p.pressure_law.pressure(rest, density))
+        })
+        .collect();
+    let (alpha, sound) = (f64::from(p.artificial_viscosity), f64::from(p.sound_speed));
+    let h = f64::from(p.smoothing_length);
+    let calibration = f64::from(p.gradient_calibration);
+    (0..positions.len())
+        .map(|a| {
+            let (density, pressure) = states[a];
+            let term = pressure / (density * density);
+            let (mut sum, mut magnitude) = (DVec3::ZERO, p.gravity.as_dvec3().length());
+            let mut add = |factor: f64, x: DVec3| {
+                let part = -factor * kernel.derivative_over_r(x.length()) * x / calibration;
+                sum += part;
+                magnitude += part.length();
+            };
+            for b in (0..positions.len()).filter(|&b| b != a) {
+                let x = positions[a].as_dvec3() - positions[b].as_dvec3();
+                let v = velocities[a].as_dvec3() - velocities[b].as_dvec3();
+                let (other_density, other_pressure) = states[b];
+                let approach = v.dot(x);
+                let mu = h * approach / (x.length_squared() + 0.01 * h * h);
+                let viscous = -alpha * sound * mu / (0.5 * (density + other_density));
+                add(mass * (term + other_pressure / (other_density * other_density) + viscous), x);
+            }
+            for &(b, volume) in samples {
+                add(rest * f64::from(volume) * term, positions[a].as_dvec3() - b.as_dvec3());
+            }
+            Expected { density, pressure, acceleration: p.gravity.as_dvec3() + sum, magnitude }
+        })
+        .collect()
+}

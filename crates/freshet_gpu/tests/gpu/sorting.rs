@@ -1,0 +1,67 @@
+//! The counting sort against sorting on the CPU.
+
+use freshet_core::prelude::*;
+use freshet_gpu::GpuOptions;
+
+use crate::common::{INSTANT, dam_break, device, place, random_vector, solver, solver_with, tick, tick_with};
+
+#[test]
+fn particles_are_sorted_by_cell_and_by_id_within_a_cell() {
+    for workgroup_size in [32, 64, 256] {
+        let mut solver = solver_with(&dam_break(0.05), GpuOptions { workgroup_size, ..Default::default() });
+        // Scattered over more than the grid, so that it wraps, on both sides of zero.
+        let count = 1000;
+        let positions: Vec<Vec3> = (0..count).map(|i| 4.0 * random_vector(i, 1)).collect();
+        let ids: Vec<u32> = (0..count as u32).map(|i| 3 * i).collect();
+        place(&mut solver, &ids, &positions, &vec![Vec3::ZERO; count]);
+        let report = solver.step(&tick(0, INSTANT)).unwrap();
+        assert_eq!((report.particles, report.substeps), (count as u32, 1));
+
+        let grid = solver.plan().grid;
+        let mut wanted: Vec<(u32, u32)> =
+            positions.iter().zip(&ids).map(|(&x, &id)| (grid.index(grid.coordinates(x)), id)).collect();
+        wanted.sort_unstable();
+        let found = solver.read(Field::Id).unwrap().integers().unwrap();
+        assert!(found.iter().eq(wanted.iter().map(|(_, id)| id)), "workgroup size {workgroup_size}");
+    }
+}
+
+#[test]
+fn all_particles_in_one_cell_are_in_order_too() {
+    let mut solver = solver(&dam_break(0.05));
+    let count = 300;
+    let ids: Vec<u32> = (0..count as u32).collect();
+    let positions: Vec<Vec3> = (0..count).map(|i| Vec3::splat(0.55) + 0.05 * random_vector(i, 2)).collect();
+    place(&mut solver, &ids, &positions, &vec![Vec3::ZERO; count]);
+    // At such a density forces are huge: what counts is the order in which the sort left them.
+    let report = solver.step(&tick(0, 1e-12)).unwrap();
+    assert_eq!(report.particles, count as u32);
+    let found = solver.read(Field::Id).unwrap().integers().unwrap();
+    assert!(found.iter().copied().eq(0..count as u32));
+}
+
+#[test]
+fn what_is_not_finite_or_out_of_bounds_is_removed_and_counted() {
+    let mut solver = solver(&dam_break(0.05));
+    let plan = Plan { max_particles: 2000, ..solver.plan().clone() };
+    let outside = plan.parameters.bounds_max + 1.0;
+    solver.reconfigure(plan).unwrap();
+    // Inputs with such numbers are refused, so they come about as in a running solver: a speed that overflows makes
+    // infinite positions in the first substep and differences that are not numbers in the next.
+    let flung = Command::Spawn(NewParticles {
+        positions: vec![outside, Vec3::new(0.7, 0.5, 0.25), Vec3::new(0.72, 0.5, 0.25)],
+        velocities: vec![Vec3::ZERO, Vec3::splat(3e38), Vec3::splat(-3e38)],
+        lifetime: f32::INFINITY,
+    });
+    let report = solver.step(&tick_with(0, 1.0 / 60.0, vec![flung])).unwrap();
+    assert_eq!((report.removed, report.particles), (3, 1000), "{report:?}");
+    let after = solver.snapshot().unwrap();
+    assert!(after.positions.iter().chain(&after.velocities).all(|vector| vector.is_finite()));
+    assert!(after.ids.iter().copied().eq(0..1000));
+
+    // Not-a-number itself, as a fault in memory would leave it.
+    let buffers = solver.buffers().unwrap();
+    device().queue.write_buffer(buffers.particles, 32 * 500, bytemuck::bytes_of(&[f32::NAN; 3]));
+    let report = solver.step(&tick(1, 1.0 / 60.0)).unwrap();
+    assert_eq!((report.removed, report.particles), (1, 999), "{report:?}");
+}

@@ -1,0 +1,174 @@
+//! Draws a [`Chart`] with plotters.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use plotters::coord::Shift;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::{Chart, Colour, Mark, Panel, Series};
+use crate::error::LabError;
+use crate::output::Output;
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), Box<dyn Error>>;
+
+const FONT: &str = "sans-serif";
+const TITLE_SIZE: u32 = 24;
+const PANEL_TITLE_SIZE: u32 = 20;
+const TEXT_SIZE: u32 = 18;
+const TICK_SIZE: u32 = 16;
+const HEAD: u32 = 40;
+const FOOT: u32 = 40;
+
+/// Draws a chart into a file of the output folder.
+pub fn draw(output: &Output, name: &str, chart: &Chart) -> Result<PathBuf, LabError> {
+    let mut svg = String::new();
+    draw_into(&mut svg, chart)
+        .map_err(|error| LabError::Chart { path: output.path(name), reason: error.to_string() })?;
+    output.write(name, &svg)
+}
+
+fn draw_into(svg: &mut String, chart: &Chart) -> Drawn {
+    let root = SVGBackend::with_string(svg, chart.size).into_drawing_area();
+    root.fill(&WHITE)?;
+    let (head, rest) = root.split_vertically(HEAD);
+    let (panels, foot) = rest.split_vertically(chart.size.1.saturating_sub(HEAD + FOOT));
+    let title = text(TITLE_SIZE).pos(Pos::new(HPos::Center, VPos::Center));
+    head.draw_text(&chart.title, &title, ((chart.size.0 / 2) as i32, (HEAD / 2) as i32))?;
+    for (area, panel) in panels.split_evenly((1, chart.panels.len().max(1))).iter().zip(&chart.panels) {
+        draw_panel(area, panel)?;
+    }
+    draw_legend(&foot, chart)?;
+    root.present()?;
+    Ok(())
+}
+
+fn draw_panel(area: &Area<'_>, panel: &Panel) -> Drawn {
+    let mut axes = ChartBuilder::on(area)
+        .margin(6)
+        .margin_right(20)
+        .caption(&panel.title, text(PANEL_TITLE_SIZE))
+        .x_label_area_size(52)
+        .y_label_area_size(64)
+        .build_cartesian_2d(panel.x.0..panel.x.1, panel.y.0..panel.y.1)?;
+    axes.configure_mesh()
+        .x_desc(&panel.x_label)
+        .y_desc(&panel.y_label)
+        .x_labels(6)
+        .y_labels(6)
+        .axis_desc_style(text(TEXT_SIZE))
+        .label_style(text(TICK_SIZE))
+        .x_label_formatter(&|value| tick(*value))
+        .y_label_formatter(&|value| tick(*value))
+        .light_line_style(RGBColor(0xf4, 0xf5, 0xf6))
+        .bold_line_style(RGBColor(0xe2, 0xe5, 0xe8))
+        .axis_style(rgb(Colour::INK))
+        .draw()?;
+    let inside =
+        |point: &(f64, f64)| (panel.x.0..=panel.x.1).contains(&point.0) && (panel.y.0..=panel.y.1).contains(&point.1);
+    for series in &panel.series {
+        let points: Vec<(f64, f64)> = series.points.iter().copied().filter(inside).collect();
+        let colour = rgb(series.colour);
+        match series.mark {
+            Mark::Line(width) => {
+                axes.draw_series(LineSeries::new(points, colour.stroke_width(width)))?;
+            }
+            Mark::Dashes(width) => {
+                axes.draw_series(DashedLineSeries::new(points, 9, 6, colour.stroke_width(width)))?;
+            }
+            Mark::Circles(radius) => {
+                axes.draw_series(points.into_iter().map(|point| Circle::new(point, radius, colour.stroke_width(2))))?;
+            }
+        }
+    }
+    let plot = axes.plotting_area().strip_coord_spec();
+    for (line, note) in panel.notes.iter().enumerate() {
+        plot.draw_text(note, &text(TICK_SIZE), (10, 8 + line as i32 * (TICK_SIZE as i32 + 4)))?;
+    }
+    Ok(())
+}
+
+fn draw_legend(area: &Area<'_>, chart: &Chart) -> Drawn {
+    let mut entries: Vec<&Series> = Vec::new();
+    for series in chart.panels.iter().flat_map(|panel| &panel.series) {
+        if entries.iter().all(|known| known.name != series.name) {
+            entries.push(series);
+        }
+    }
+    // The real width of text is only known to the viewer: half an em a letter is close.
+    let width_of = |series: &Series| 60 + (series.name.chars().count() as u32 * TEXT_SIZE / 2) as i32;
+    let total: i32 = entries.iter().map(|series| width_of(series)).sum();
+    let mut x = ((chart.size.0 as i32 - total) / 2).max(8);
+    let y = FOOT as i32 / 2;
+    for series in entries {
+        let colour = rgb(series.colour);
+        let ends = [(x, y), (x + 34, y)];
+        match series.mark {
+            Mark::Line(width) => area.draw(&PathElement::new(ends.to_vec(), colour.stroke_width(width)))?,
+            Mark::Dashes(width) => {
+                area.draw(&DashedPathElement::new(ends.to_vec().into_iter(), 9, 6, colour.stroke_width(width)))?;
+            }
+            Mark::Circles(radius) => area.draw(&Circle::new((x + 17, y), radius, colour.stroke_width(2)))?,
+        }
+        area.draw_text(&series.name, &text(TEXT_SIZE).pos(Pos::new(HPos::Left, VPos::Center)), (x + 42, y))?;
+        x += width_of(series);
+    }
+    Ok(())
+}
+
+fn text(size: u32) -> TextStyle<'static> {
+    (FONT, size).into_font().color(&rgb(Colour::INK))
+}
+
+fn rgb(Colour(red, green, blue): Colour) -> RGBColor {
+    RGBColor(red, green, blue)
+}
+
+/// A number on an axis without the dust of binary fractions.
+fn tick(value: f64) -> String {
+    let rounded = (value * 1e6).round() / 1e6;
+    if rounded == 0.0 { "0".to_owned() } else { format!("{rounded}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chart_holds_its_words_and_its_points() -> Drawn {
+        let series = |name: &str, mark| Series {
+            name: name.to_owned(),
+            mark,
+            colour: Colour::INK,
+            points: vec![(0.0, 1.0), (1.0, 2.0), (9.0, 9.0)],
+        };
+        let panel = Panel {
+            title: "Panel <one>".to_owned(),
+            notes: vec!["a note".to_owned()],
+            x_label: "time (s)".to_owned(),
+            y_label: "front (m)".to_owned(),
+            x: (0.0, 2.0),
+            y: (0.0, 3.0),
+            series: vec![series("measured", Mark::Circles(4)), series("a line", Mark::Line(2))],
+        };
+        let chart = Chart { title: "Title".to_owned(), panels: vec![panel.clone(), panel], size: (900, 400) };
+        let mut svg = String::new();
+        draw_into(&mut svg, &chart)?;
+        for word in ["Title", "Panel &lt;one&gt;", "a note", "time (s)", "front (m)", "measured", "a line"] {
+            assert!(svg.contains(word), "{word} is missing in\n{svg}");
+        }
+        // Two points inside each panel, and one in the legend.
+        assert_eq!(svg.matches("<circle").count(), 5);
+        Ok(())
+    }
+
+    #[test]
+    fn ticks_are_plain() {
+        assert_eq!(tick(0.300_000_000_000_000_04), "0.3");
+        assert_eq!(tick(-0.0), "0");
+        assert_eq!(tick(2.0), "2");
+    }
+}

@@ -1,0 +1,87 @@
+//! Line charts as SVG: one or more panels side by side with one legend below.
+//!
+//! Text is left to the viewer's fonts, so that no font library is needed.
+
+mod draw;
+
+pub use draw::draw;
+
+/// A colour, red, green, blue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Colour(pub u8, pub u8, pub u8);
+
+impl Colour {
+    /// Measurements and text.
+    pub const INK: Self = Self(0x22, 0x26, 0x2b);
+    /// Light to dark blue: coarse to fine.
+    pub const BLUES: [Self; 3] = [Self(0x8e, 0xc3, 0xec), Self(0x3a, 0x87, 0xc8), Self(0x0b, 0x45, 0x86)];
+    /// The other backend.
+    pub const ORANGE: Self = Self(0xd9, 0x6a, 0x1b);
+    /// Bounds.
+    pub const RED: Self = Self(0xc0, 0x39, 0x2b);
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mark {
+    /// A line of this width, px.
+    Line(u32),
+    /// A dashed line of this width, px.
+    Dashes(u32),
+    /// Open circles of this radius, px.
+    Circles(u32),
+}
+
+/// Points with a name and a look.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Name in the legend; the first series of a name in any panel makes the entry.
+    pub name: String,
+    /// Look.
+    pub mark: Mark,
+    /// Colour.
+    pub colour: Colour,
+    /// What is drawn; points outside the panel are left out.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// One set of axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Over the axes.
+    pub title: String,
+    /// Lines of text in the upper left corner of the axes.
+    pub notes: Vec<String>,
+    /// Name and unit of the horizontal axis.
+    pub x_label: String,
+    /// Name and unit of the vertical axis.
+    pub y_label: String,
+    /// Ends of the horizontal axis.
+    pub x: (f64, f64),
+    /// Ends of the vertical axis.
+    pub y: (f64, f64),
+    /// Drawn in order.
+    pub series: Vec<Series>,
+}
+
+impl Panel {
+    /// The same panel with a vertical axis from `floor` to a little above the highest point of all series.
+    #[must_use]
+    pub fn fitted(mut self, floor: f64) -> Self {
+        let points = self.series.iter().flat_map(|series| &series.points);
+        let highest = points.map(|point| point.1).filter(|y| y.is_finite()).fold(floor, f64::max);
+        self.y = (floor, floor + ((highest - floor) * 1.08).max(1e-9));
+        self
+    }
+}
+
+/// Panels with a head and a foot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    /// Head line.
+    pub title: String,
+    /// Side by side, left to right.
+    pub panels: Vec<Panel>,
+    /// Width and height, px.
+    pub size: (u32, u32),
+}

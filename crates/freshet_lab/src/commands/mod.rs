@@ -1,0 +1,36 @@
+//! The commands, one file each.
+
+use clap::Subcommand;
+
+use crate::error::LabError;
+use crate::verdict::Verdict;
+
+pub mod bench;
+pub mod column;
+pub mod dam_break;
+pub mod float;
+
+/// What the laboratory can do.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Dam breaks against Martin & Moyce 1952 and Lobovsky 2014: the front over time at several resolutions.
+    DamBreak(dam_break::DamBreakArgs),
+    /// A column of water at rest: floor pressure, weight on the container, surface level, compression, speed.
+    Column(column::ColumnArgs),
+    /// A rapier ball of half the density of water: draft, heave, momentum ledger, at several latencies.
+    Float(float::FloatArgs),
+    /// Speed: nanoseconds per particle and step in the benchmark tank, per pass and per number of threads.
+    Bench(bench::BenchArgs),
+}
+
+impl Command {
+    /// Runs it.
+    pub fn run(&self) -> Result<Verdict, LabError> {
+        match self {
+            Command::DamBreak(args) => dam_break::run(args),
+            Command::Column(args) => column::run(args),
+            Command::Float(args) => float::run(args),
+            Command::Bench(args) => bench::run(args),
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! Measures of what solvers produce: plain functions of plain numbers, the same for every run and every peer.
+
+pub mod column;
+pub mod compression;
+pub mod containment;
+pub mod curve;
+pub mod front;
+pub mod reference_error;
+pub mod statistics;

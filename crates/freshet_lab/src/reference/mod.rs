@@ -1,0 +1,6 @@
+//! Measured and exact references, one file a paper.
+
+pub mod dam_break;
+pub mod hydrostatics;
+pub mod lobovsky_2014;
+pub mod martin_moyce_1952;

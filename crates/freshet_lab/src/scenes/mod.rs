@@ -1,0 +1,8 @@
+//! The laboratory's scenes. All use [`Settings::default`](freshet_core::scene::Settings): one set of numbers.
+
+pub mod column;
+pub mod slab;
+pub mod tank;
+
+/// Standard gravity as the scenes have it, m/s2.
+pub const GRAVITY: f64 = 9.81;

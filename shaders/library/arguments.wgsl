@@ -1,0 +1,26 @@
+// Arguments of the indirect dispatches and of drawing, in a buffer of their own: a dispatch cannot write the buffer it
+// takes its arguments from.
+#define_import_path freshet::arguments
+
+#import freshet::bindings as fields
+#import freshet::threads
+
+// Writes what the next dispatches are told. `going`: whether another substep follows.
+fn write_arguments(going: bool) {
+    let count = select(0u, fields::control.count, going);
+    fields::set_arguments(#{ARGUMENTS_PARTICLES}u, threads::groups_for(count));
+    let blocks = (fields::parameters.cells + #{SCAN_BLOCK}u) / #{SCAN_BLOCK}u;
+    fields::set_arguments(#{ARGUMENTS_CELLS}u, threads::group_grid(select(0u, blocks, going)));
+#ifdef BODIES
+    fields::set_arguments(#{ARGUMENTS_SAMPLES}u, threads::groups_for(select(0u, fields::parameters.body_samples, going)));
+    fields::set_arguments(#{ARGUMENTS_BODIES}u, threads::group_grid(select(0u, fields::parameters.bodies, going)));
+#endif
+    fields::set_instances(fields::control.count);
+}
+
+fn write_motion_arguments(moving: bool) {
+    fields::set_arguments(#{ARGUMENTS_MOTION}u, threads::groups_for(select(0u, fields::control.live, moving)));
+#ifdef BODIES
+    fields::set_arguments(#{ARGUMENTS_BODY_MOTION}u, threads::groups_for(select(0u, fields::parameters.bodies, moving)));
+#endif
+}

@@ -1,0 +1,134 @@
+// a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k P_a F x_ak ]
+// Pressure form: Monaghan 1992, eq. 3.3. Pi_ab: Monaghan 1992, eq. 4.1, with beta = 0, for all pairs (Monaghan 2005).
+// The particle itself is among the b: x_aa = 0 makes its term vanish, and a test would cost more.
+
+#import freshet::bindings as fields
+#import freshet::grid
+#import freshet::hits
+#import freshet::kernels
+#import freshet::threads
+
+var<workgroup> group_acceleration: atomic<u32>;
+
+// What every pair of a particle needs: of the particle itself, and of the uniforms, see grid::Shape.
+struct Own {
+    position: vec3<f32>,
+    pressure_term: f32,
+    inverse_radius: f32,
+#ifdef VISCOSITY
+    velocity: vec3<f32>,
+    density: f32,
+    viscosity_scale: f32,
+    viscosity_softening: f32,
+#endif
+}
+
+fn own_of(a: u32) -> Own {
+    var own: Own;
+    own.position = fields::sorted_position(a);
+    own.inverse_radius = fields::parameters.inverse_support_radius;
+    let density = fields::density_and_pressure_term(a);
+    own.pressure_term = density.y;
+#ifdef VISCOSITY
+    own.velocity = fields::sorted_velocity(a);
+    own.density = density.x;
+    own.viscosity_scale = fields::parameters.viscosity_scale;
+    own.viscosity_softening = fields::parameters.viscosity_softening;
+#endif
+    return own;
+}
+
+// (P_a + P_b + Pi_ab) f'(q) / q x_ab
+fn from_particle(own: Own, b: u32) -> vec3<f32> {
+    let x = own.position - fields::sorted_position(b);
+    let r_squared = dot(x, x);
+    let density = fields::density_and_pressure_term(b);
+    var factor = own.pressure_term + density.y;
+#ifdef VISCOSITY
+    let approach = dot(own.velocity - fields::sorted_velocity(b), x);
+    factor -= own.viscosity_scale * approach / ((r_squared + own.viscosity_softening) * (own.density + density.x));
+#endif
+    return (factor * kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius)) * x;
+}
+
+#ifdef SAMPLES
+// V_k f'(q) / q x_ak
+fn from_sample(own: Own, k: u32) -> vec3<f32> {
+    let sample = fields::sample(k);
+    let x = own.position - sample.xyz;
+    return (sample.w * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+}
+#endif
+
+fn acceleration_of(a: u32) -> vec3<f32> {
+    let own = own_of(a);
+    let center = grid::cell_of(own.position);
+    let extent = grid::shape();
+#ifdef WALLS
+    let wall_starts = fields::parameters.wall_starts;
+#endif
+#ifdef BODIES
+    let body_starts = fields::parameters.body_starts;
+#endif
+    var fluid = vec3<f32>(0.0);
+#ifdef SAMPLES
+    var samples = vec3<f32>(0.0);
+#endif
+    for (var row = 0u; row < 9u; row++) {
+        var found = hits::MORE | hits::SAMPLES;
+        var without_bit = 0u;
+        if (row != hits::OWN_ROW) {
+            found = fields::hits_of(a, hits::word_of(row));
+            without_bit = hits::PLACES;
+        }
+        if (found == 0u) {
+            continue;
+        }
+        let cells = grid::cells_around(extent, center, row);
+        let around = grid::row_of(0u, cells);
+        for (var places = found & hits::PLACE_MASK; places != 0u; places &= places - 1u) {
+            fluid += from_particle(own, grid::member(around, firstTrailingBit(places)));
+        }
+        if ((found & hits::MORE) != 0u) {
+            for (var t = without_bit; t < around.count; t++) {
+                fluid += from_particle(own, grid::member(around, t));
+            }
+        }
+#ifdef SAMPLES
+        if ((found & hits::SAMPLES) == 0u) {
+            continue;
+        }
+#endif
+#ifdef WALLS
+        let walls = grid::row_of(wall_starts, cells);
+        for (var t = 0u; t < walls.count; t++) {
+            samples += from_sample(own, grid::member(walls, t));
+        }
+#endif
+#ifdef BODIES
+        let bodies = grid::row_of(body_starts, cells);
+        for (var t = 0u; t < bodies.count; t++) {
+            samples += from_sample(own, grid::member(bodies, t));
+        }
+#endif
+    }
+    var result = fields::control.gravity - fields::parameters.fluid_force_scale * fluid;
+#ifdef SAMPLES
+    result -= (fields::parameters.sample_force_scale * own.pressure_term) * samples;
+#endif
+    return result;
+}
+
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn acceleration(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        let result = acceleration_of(a);
+        fields::set_acceleration(a, result);
+        atomicMax(&group_acceleration, threads::ordered_bits(length(result)));
+    }
+    workgroupBarrier();
+    if (local == 0u) {
+        atomicMax(&fields::control.max_acceleration, atomicLoad(&group_acceleration));
+    }
+}

@@ -1,0 +1,81 @@
+// Force and torque of the fluid on each body. Sample k feels (1/G) m rho0 V_k sum_a P_a F x_ak: the opposite of what the
+// particles felt from it.
+
+#import freshet::bindings as fields
+#import freshet::grid
+#import freshet::kernels
+#import freshet::rotation
+#import freshet::threads
+
+#ifdef BODY_LOAD
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn body_load(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let k = threads::thread_index(group, local);
+    if (k >= fields::parameters.body_samples) {
+        return;
+    }
+    let body = fields::body_of_sample(k);
+    let arm = rotation::rotate(fields::body_rotation(body), fields::sample_offset(k));
+    let position = fields::body_position(body) + arm;
+    if (!threads::all_finite(position)) {
+        fields::set_sample_load(k, vec3<f32>(0.0), vec3<f32>(0.0));
+        return;
+    }
+    let center = grid::cell_of(position);
+    let extent = grid::shape();
+    let inverse_radius = fields::parameters.inverse_support_radius;
+    var sum = vec3<f32>(0.0);
+    for (var row = 0u; row < 9u; row++) {
+        let around = grid::row_of(0u, grid::cells_around(extent, center, row));
+        for (var t = 0u; t < around.count; t++) {
+            let a = grid::member(around, t);
+            let x = fields::sorted_position(a) - position;
+            let q = length(x) * inverse_radius;
+            sum += (fields::pressure_term(a) * kernels::slope_over_q(q)) * x;
+        }
+    }
+    let force = (fields::parameters.body_force_scale * fields::sample_volume(k)) * sum;
+    fields::set_sample_load(k, force, cross(arm, force));
+}
+#endif
+
+#ifdef BODY_SUM
+// A fixed tree, whatever the size of a workgroup: LEAVES sums of every LEAVES-th sample, then halves onto halves.
+const LEAVES: u32 = 256u;
+
+var<workgroup> force: array<vec3<f32>, LEAVES>;
+var<workgroup> torque: array<vec3<f32>, LEAVES>;
+
+// One workgroup a body.
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn body_sum(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let body = threads::group_index(group);
+    var first = 0u;
+    var end = 0u;
+    if (body < fields::parameters.bodies) {
+        first = fields::body_first_sample(body);
+        end = first + fields::body_sample_count(body);
+    }
+    for (var leaf = local; leaf < LEAVES; leaf += #{WORKGROUP_SIZE}u) {
+        var leaf_force = vec3<f32>(0.0);
+        var leaf_torque = vec3<f32>(0.0);
+        for (var k = first + leaf; k < end; k += LEAVES) {
+            leaf_force += fields::sample_force(k);
+            leaf_torque += fields::sample_torque(k);
+        }
+        force[leaf] = leaf_force;
+        torque[leaf] = leaf_torque;
+    }
+    workgroupBarrier();
+    for (var half = LEAVES / 2u; half > 0u; half /= 2u) {
+        for (var leaf = local; leaf < half; leaf += #{WORKGROUP_SIZE}u) {
+            force[leaf] += force[leaf + half];
+            torque[leaf] += torque[leaf + half];
+        }
+        workgroupBarrier();
+    }
+    if (local == 0u && body < fields::parameters.bodies) {
+        fields::set_body_load(body, force[0], torque[0]);
+    }
+}
+#endif

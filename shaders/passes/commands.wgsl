@@ -1,0 +1,65 @@
+// Changes to the particles before a tick: each is a dispatch of its own, in the order the commands came.
+
+#import freshet::bindings as fields
+#import freshet::threads
+
+#ifdef SPAWN
+// Copies new particles behind the live ones. What does not fit is refused: `finish_spawn` counts it.
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn spawn(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let k = threads::thread_index(group, local);
+    if (k >= fields::command.count || fields::control.count + k >= fields::command.capacity) {
+        return;
+    }
+    let source = fields::command.first + k;
+    let target_index = fields::control.count + k;
+    fields::set_particle(
+        target_index,
+        fields::spawned_position(source),
+        fields::control.next_id + k,
+        fields::spawned_velocity(source),
+        fields::spawned_life(source),
+    );
+    fields::set_density(target_index, 0.0, 0.0);
+    fields::set_acceleration(target_index, vec3<f32>(0.0));
+}
+#endif
+
+#ifdef FINISH_SPAWN
+#import freshet::arguments
+
+@compute @workgroup_size(1)
+fn finish_spawn() {
+    let room = fields::command.capacity - min(fields::control.count, fields::command.capacity);
+    let accepted = min(fields::command.count, room);
+    fields::control.count += accepted;
+    fields::control.live = fields::control.count;
+    fields::control.next_id += accepted;
+    fields::control.refused += fields::command.count - accepted;
+    arguments::write_arguments(fields::control.going != 0u);
+}
+#endif
+
+// A removed particle keeps its place until the next sort, with a lifetime that is over.
+#ifdef REMOVE_IDS
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn remove_ids(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let i = threads::thread_index(group, local);
+    if (i < fields::control.count && fields::id(i) - fields::command.first < fields::command.count) {
+        fields::set_remaining_life(i, -1.0);
+    }
+}
+#endif
+
+#ifdef REMOVE_IN_BOX
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn remove_in_box(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let i = threads::thread_index(group, local);
+    if (i < fields::control.count) {
+        let position = fields::position(i);
+        if (all(position >= fields::command.low) && all(position <= fields::command.high)) {
+            fields::set_remaining_life(i, -1.0);
+        }
+    }
+}
+#endif

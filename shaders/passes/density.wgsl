@@ -1,0 +1,92 @@
+// Density sum and pressure: rho_a = (1/S) (m sum_b W_ab + rho0 sum_k V_k W_ak), a itself among the b.
+// Keeps P_a = p_a / rho_a^2 beside rho_a, which is what the pressure force needs.
+
+#import freshet::bindings as fields
+#import freshet::equation_of_state
+#import freshet::grid
+#import freshet::hits
+#import freshet::kernels
+#import freshet::threads
+
+// Compression is summed in integers, so that its mean has the same bits whatever the order.
+const COMPRESSION_UNIT: f32 = 1048576.0;
+
+var<workgroup> group_ratio: atomic<u32>;
+var<workgroup> group_compression: atomic<u32>;
+
+fn density_of(a: u32) -> f32 {
+    let position = fields::sorted_position(a);
+    let center = grid::cell_of(position);
+    // Uniforms that the loops need: see grid::Shape.
+    let extent = grid::shape();
+    let inverse_radius = fields::parameters.inverse_support_radius;
+    let squared_radius = fields::parameters.squared_support_radius;
+#ifdef WALLS
+    let wall_starts = fields::parameters.wall_starts;
+#endif
+#ifdef BODIES
+    let body_starts = fields::parameters.body_starts;
+#endif
+    var fluid = 0.0;
+#ifdef SAMPLES
+    var samples = 0.0;
+#endif
+    for (var row = 0u; row < 9u; row++) {
+        let cells = grid::cells_around(extent, center, row);
+        let around = grid::row_of(0u, cells);
+        var found = select(0u, hits::MORE, around.count > hits::PLACES);
+        for (var t = 0u; t < around.count; t++) {
+            let x = position - fields::sorted_position(grid::member(around, t));
+            let r_squared = dot(x, x);
+            fluid += kernels::shape(sqrt(r_squared) * inverse_radius);
+            found |= hits::bit(t, r_squared < squared_radius);
+        }
+#ifdef WALLS
+        let walls = grid::row_of(wall_starts, cells);
+        found |= select(0u, hits::SAMPLES, walls.count > 0u);
+        for (var t = 0u; t < walls.count; t++) {
+            let wall = fields::sample(grid::member(walls, t));
+            samples += wall.w * kernels::shape(length(position - wall.xyz) * inverse_radius);
+        }
+#endif
+#ifdef BODIES
+        let bodies = grid::row_of(body_starts, cells);
+        found |= select(0u, hits::SAMPLES, bodies.count > 0u);
+        for (var t = 0u; t < bodies.count; t++) {
+            let body = fields::sample(grid::member(bodies, t));
+            samples += body.w * kernels::shape(length(position - body.xyz) * inverse_radius);
+        }
+#endif
+        if (row != hits::OWN_ROW) {
+            fields::set_hits(a, hits::word_of(row), found);
+        }
+    }
+#ifdef SAMPLES
+    return fields::parameters.fluid_density_scale * fluid + fields::parameters.sample_density_scale * samples;
+#else
+    return fields::parameters.fluid_density_scale * fluid;
+#endif
+}
+
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn density(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        let density = density_of(a);
+        let pressure = equation_of_state::pressure(density);
+        fields::set_density(a, density, pressure / (density * density));
+        let ratio = density * fields::parameters.inverse_rest_density;
+        atomicMax(&group_ratio, threads::ordered_bits(ratio));
+        let compression = clamp(ratio - 1.0, 0.0, 1.0);
+        atomicAdd(&group_compression, u32(compression * COMPRESSION_UNIT));
+    }
+    workgroupBarrier();
+    if (local == 0u) {
+        atomicMax(&fields::control.max_ratio, atomicLoad(&group_ratio));
+        let added = atomicLoad(&group_compression);
+        let before = atomicAdd(&fields::control.compression_low, added);
+        if (before + added < before) {
+            atomicAdd(&fields::control.compression_high, 1u);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+// Decides on the GPU how long a substep is and whether there is another one. Single threads.
+
+#import freshet::bindings as fields
+#import freshet::arguments
+
+#ifdef BEGIN_TICK
+// What the last tick left over is added to what this one asks for. The tick's commands come after this.
+@compute @workgroup_size(1)
+fn begin_tick() {
+    let carry = min(fields::control.remaining, fields::parameters.longest_tick);
+    let asked = fields::input.duration + carry;
+    fields::control.asked = asked;
+    fields::control.remaining = asked;
+    fields::control.gravity = fields::input.gravity;
+    fields::control.tick_slot = fields::input.tick.x & 3u;
+    fields::control.substeps = 0u;
+    fields::control.smallest_substep = 0.0;
+    fields::control.mean_compression = 0.0;
+    fields::control.refused = 0u;
+    atomicStore(&fields::control.removed, 0u);
+    atomicStore(&fields::control.retired, 0u);
+    atomicStore(&fields::control.max_ratio, 0u);
+    atomicStore(&fields::control.max_speed, 0u);
+    atomicStore(&fields::control.max_acceleration, 0u);
+    let going = asked > 0.0;
+    fields::control.going = select(0u, 1u, going);
+    arguments::write_arguments(going);
+    arguments::write_motion_arguments(false);
+}
+#endif
+
+#ifdef STEP_CONTROL
+// The substep that covers what remains in equal parts no longer than the limit: freshet_core::plan::Parameters.
+fn choose_substep(remaining: f32, max_speed: f32, max_acceleration: f32) -> f32 {
+    let h = fields::parameters.smoothing_length;
+    let courant = fields::parameters.courant_factor * h / (fields::parameters.sound_speed + max_speed);
+    let force = fields::parameters.force_factor * sqrt(h / max(max_acceleration, 1e-12));
+    let limit = min(min(courant, force), fields::parameters.viscous_limit);
+    return remaining / max(ceil(remaining / limit - 1e-3), 1.0);
+}
+
+@compute @workgroup_size(1)
+fn step_control() {
+    // Dispatched in every substep that was encoded: those beyond the tick's end switch the motion off.
+    if (fields::control.going == 0u) {
+        arguments::write_motion_arguments(false);
+        return;
+    }
+    var max_speed = bitcast<f32>(atomicExchange(&fields::control.max_speed, 0u));
+    let max_acceleration = bitcast<f32>(atomicExchange(&fields::control.max_acceleration, 0u));
+    fields::control.fastest = max_speed;
+#ifdef BODIES
+    for (var body = 0u; body < fields::parameters.bodies; body++) {
+        max_speed = max(max_speed, length(fields::body_linear_velocity(body)));
+    }
+#endif
+    let substep = choose_substep(fields::control.remaining, max_speed, max_acceleration);
+
+    let live = fields::control.live;
+    let low = atomicExchange(&fields::control.compression_low, 0u);
+    let high = atomicExchange(&fields::control.compression_high, 0u);
+    // 2^-20 and 2^12: units of the sum, see density.wgsl.
+    let compression = (f32(high) * 4096.0 + f32(low) / 1048576.0) / f32(max(live, 1u));
+    fields::control.mean_compression = max(fields::control.mean_compression, compression);
+
+    let first = fields::control.substeps == 0u;
+    fields::control.smallest_substep = select(min(fields::control.smallest_substep, substep), substep, first);
+    fields::control.substep = substep;
+    fields::control.substeps += 1u;
+    fields::control.remaining -= substep;
+    fields::control.count = live;
+
+    let going = fields::control.remaining > 0.0 && fields::control.substeps < fields::parameters.max_substeps;
+    fields::control.going = select(0u, 1u, going);
+    arguments::write_arguments(going);
+    arguments::write_motion_arguments(true);
+}
+#endif

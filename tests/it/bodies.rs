@@ -1,0 +1,90 @@
+//! Bodies in the fluid, through the whole plugin. Accuracy is the laboratory's: here, that pushes arrive in both directions.
+
+use bevy::prelude::*;
+use bevy_freshet::prelude::*;
+use bevy_rapier3d::prelude::*;
+
+use crate::harness::{ALL, Tank, TestApp};
+
+const RADIUS: f32 = 0.15;
+
+/// A light ball under water rises, a heavy one sinks, and the water feels them.
+fn height_after(choice: (FluidBackend, FluidMode), density: f32) -> f32 {
+    let mut test = TestApp::new();
+    let domain = test.spawn(FluidDomain::with_spacing(0.1).on(choice.0).in_mode(choice.1));
+    test.spawn((FluidContainer::open_box(0.8, 1.2, 0.8), Transform::from_xyz(0.4, 0.6, 0.4)));
+    test.spawn((FluidVolume::from(Cuboid::new(0.8, 0.4, 0.8)), Transform::from_xyz(0.4, 0.2, 0.4)));
+    let ball = test.spawn((
+        RigidBody::Dynamic,
+        Collider::ball(RADIUS),
+        ColliderMassProperties::Density(density),
+        FluidBody::default(),
+        // Drops half a radius to the surface.
+        Transform::from_xyz(0.4, 0.4 + 1.5 * RADIUS, 0.4),
+    ));
+    test.tick(60);
+    let stats = test.settle(domain);
+    assert_eq!(stats.removed, 0, "{choice:?}");
+    test.expect_no_complaints();
+    test.world().get::<Transform>(ball).expect("a body has a pose").translation.y
+}
+
+#[test]
+fn a_light_ball_floats_and_a_heavy_one_sinks_in_every_backend_and_mode() {
+    for choice in ALL {
+        let light = height_after(choice, 300.0);
+        assert!(light > 0.3 && light < 0.7, "{choice:?}: a light ball floats, not at {light}");
+    }
+    let heavy = height_after(ALL[0], 4000.0);
+    assert!(heavy < 0.25, "a heavy ball lies on the ground, not at {heavy}");
+}
+
+#[test]
+fn a_ball_comes_late_and_leaves_early() {
+    for choice in [ALL[1], ALL[3]] {
+        let mut test = TestApp::new();
+        let tank = Tank::spawn(&mut test, choice);
+        test.tick(4);
+        let ball = test.spawn((
+            RigidBody::Dynamic,
+            Collider::ball(RADIUS),
+            ColliderMassProperties::Density(500.0),
+            FluidBody::default(),
+            FluidInDomain(tank.domain),
+            Transform::from_xyz(0.7, 0.3, 0.25),
+        ));
+        test.tick(6);
+        test.despawn(ball);
+        test.tick(4);
+        assert_eq!(test.settle(tank.domain).ticks, 15, "{choice:?}");
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn a_body_that_cannot_be_sampled_is_refused() {
+    let mut test = TestApp::new();
+    let tank = Tank::spawn(&mut test, ALL[0]);
+    let capsule = test.spawn((
+        RigidBody::Dynamic,
+        Collider::capsule_y(0.1, 0.1),
+        FluidBody::default(),
+        FluidInDomain(tank.domain),
+        Transform::from_xyz(0.7, 0.8, 0.25),
+    ));
+    test.tick(3);
+    let complaints = test.complaints();
+    assert_eq!(complaints.len(), 1, "{complaints:?}");
+    assert_eq!((complaints[0].entity, complaints[0].component), (capsule, "FluidBody"));
+    assert_eq!(test.stats(tank.domain).ticks, 3);
+}
+
+#[test]
+fn a_container_is_a_collider() {
+    let mut test = TestApp::new();
+    test.spawn((FluidContainer::open_box(1.0, 1.0, 1.0), Transform::from_xyz(0.0, 0.5, 0.0)));
+    let ball = test.spawn((RigidBody::Dynamic, Collider::ball(0.1), Transform::from_xyz(0.3, 0.5, 0.0)));
+    test.tick(100);
+    let place = test.world().get::<Transform>(ball).expect("a body has a pose").translation;
+    assert!((place.y - 0.1).abs() < 0.02 && place.x < 0.41, "it lies on the floor of the box, not at {place}");
+}

@@ -1,0 +1,60 @@
+//! The example's command line: what is wrong is one clear line and exit code 2.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+/// The example, which `cargo test` builds beside the tests.
+fn dam_break(arguments: &[&str]) -> Output {
+    let mut folder = std::env::current_exe().expect("a test has a path");
+    // target/debug/deps/it-... -> target/debug/examples
+    folder.pop();
+    folder.pop();
+    let program: PathBuf = folder.join("examples").join(format!("dam_break{}", std::env::consts::EXE_SUFFIX));
+    let mut command = Command::new(&program);
+    command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR"));
+    command.output().unwrap_or_else(|error| panic!("{}: {error}", program.display()))
+}
+
+fn is_refused(arguments: &[&str], word: &str) {
+    let output = dam_break(arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+    assert_eq!(said.lines().count(), 1, "{arguments:?}: {said}");
+    assert!(said.starts_with("error: ") && said.contains(word), "{arguments:?}: {said}");
+}
+
+#[test]
+fn a_bad_argument_is_one_line_and_exit_code_2() {
+    is_refused(&["--particles", "many"], "allowed: 100 to 2000000");
+    is_refused(&["--particles", "-5"], "-5");
+    is_refused(&["--seconds", "NaN"], "allowed: 0.01 to 600");
+    is_refused(&["--backend", "tpu"], "allowed: auto, gpu, cpu");
+    is_refused(&["--fast"], "--fast");
+    is_refused(&["--scene", "no/such/file.ron"], "no/such/file.ron");
+}
+
+#[test]
+fn a_bad_scene_file_is_one_line_that_names_the_place_and_exit_code_2() {
+    let folder = std::env::temp_dir().join(format!("freshet_scenes_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a temporary folder");
+    for (name, text, word) in [
+        ("empty", "", "line 1"),
+        ("unknown", "FluidScene(\n    resolution: Spacing(0.1),\n    viscosty: 1.0,\n)", "line 3"),
+        ("negative", "FluidScene(\n    resolution: Spacing(-0.1),\n)", "resolution"),
+    ] {
+        let path = folder.join(format!("{name}.ron"));
+        std::fs::write(&path, text).expect("a scene file");
+        is_refused(&["--scene", &path.display().to_string()], word);
+    }
+    std::fs::remove_dir_all(&folder).expect("the temporary folder");
+}
+
+#[test]
+fn help_lists_the_options() {
+    let output = dam_break(&["--help"]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0));
+    for option in ["--particles", "--seconds", "--backend", "--headless", "--out", "--scene <FILE.ron>"] {
+        assert!(said.contains(option), "{option}: {said}");
+    }
+}

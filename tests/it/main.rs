@@ -1,0 +1,9 @@
+//! What crosses crates: headless apps on both backends and in both modes, pictures, the example's command line.
+
+mod bodies;
+mod components;
+mod emitters;
+mod example;
+mod golden;
+mod harness;
+mod problems;

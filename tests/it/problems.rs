@@ -1,0 +1,102 @@
+//! What is wrong is said once, with component, field, value and range; the rest goes on, and nothing panics.
+
+use bevy::prelude::*;
+use bevy_freshet::prelude::*;
+
+use crate::harness::{ALL, Tank, TestApp, WATER};
+
+/// Spawns something wrong beside a tank; expects one problem about it, and that the tank goes on.
+fn refuses(bundle: impl Bundle, component: &str, words: &[&str]) {
+    let mut test = TestApp::new();
+    let tank = Tank::spawn(&mut test, ALL[0]);
+    test.tick(1);
+    let wrong = test.spawn(bundle);
+    test.world().entity_mut(wrong).insert(FluidInDomain(tank.domain));
+    test.tick(4);
+    let complaints = test.complaints();
+    assert_eq!(complaints.len(), 1, "{complaints:?}");
+    assert_eq!((complaints[0].entity, complaints[0].component), (wrong, component), "{complaints:?}");
+    for word in words {
+        assert!(complaints[0].message.contains(word), "{word} in {complaints:?}");
+    }
+    let stats = test.stats(tank.domain);
+    assert_eq!((stats.ticks, stats.particles), (5, WATER));
+}
+
+#[test]
+fn wrong_volumes_are_refused() {
+    refuses(FluidVolume::from(Sphere::new(-1.0)), "FluidVolume", &["shape.radius", "-1", "allowed"]);
+    refuses(FluidVolume::from(Cuboid::new(f32::NAN, 1.0, 1.0)), "FluidVolume", &["half_size", "NaN", "allowed"]);
+    refuses(FluidVolume::from(Cuboid::new(0.01, 1.0, 1.0)), "FluidVolume", &["allowed"]);
+    let moving = FluidVolume::from(Sphere::new(0.2)).with_velocity(Vec3::splat(f32::INFINITY));
+    refuses(moving, "FluidVolume", &["velocity", "inf"]);
+    let scaled = Transform::from_scale(Vec3::splat(2.0));
+    refuses((FluidVolume::from(Sphere::new(0.2)), scaled), "FluidVolume", &["scale", "allowed"]);
+    let nowhere = Transform::from_xyz(f32::NAN, 0.0, 0.0);
+    refuses((FluidVolume::from(Sphere::new(0.2)), nowhere), "FluidVolume", &["translation"]);
+    let oil = (FluidVolume::from(Sphere::new(0.2)), Fluid::oil(), Transform::from_xyz(0.0, 3.0, 0.0));
+    refuses(oil, "FluidVolume", &["oil", "water"]);
+}
+
+#[test]
+fn wrong_walls_and_emitters_are_refused() {
+    refuses(FluidContainer::open_box(0.0, 1.0, 1.0), "FluidContainer", &["size", "0", "allowed"]);
+    let open = FluidContainer { open: [true; 6], ..FluidContainer::open_box(1.0, 1.0, 1.0) };
+    refuses(open, "FluidContainer", &["open"]);
+    refuses(FluidBoundary::plane(-1.0, 1.0), "FluidBoundary", &["half_extents", "-0.5"]);
+    refuses(FluidEmitter::disc(0.1, 0.0, 1.0), "FluidEmitter", &["speed", "0", "0.001 to 1000"]);
+    refuses(FluidEmitter::disc(0.1, 1.0, -2.0), "FluidEmitter", &["lifetime", "-2"]);
+}
+
+#[test]
+fn a_wrong_domain_says_so_and_recovers() {
+    for (change, word) in [
+        ((|domain| domain.spacing = f32::NAN) as fn(&mut FluidDomain), "spacing"),
+        (|domain| domain.max_substeps = 0, "max_substeps"),
+        (|domain| domain.settings.support_ratio = 9.0, "support"),
+        (|domain| domain.settings.sound_speed = Some(1.0), "sound_speed"),
+        (|domain| domain.settings.kernel = FluidKernel::Viscosity, "kernel"),
+    ] {
+        let mut test = TestApp::new();
+        let tank = Tank::spawn(&mut test, ALL[0]);
+        test.change(tank.domain, change);
+        test.tick(3);
+        let complaints = test.complaints();
+        assert_eq!(complaints.len(), 1, "{word}: {complaints:?}");
+        assert_eq!((complaints[0].entity, complaints[0].component), (tank.domain, "FluidDomain"));
+        assert!(complaints[0].message.contains(word), "{word} in {complaints:?}");
+        assert_eq!(test.stats(tank.domain).ticks, 0, "nothing can be simulated");
+        test.change::<FluidDomain>(tank.domain, |domain| *domain = FluidDomain::with_spacing(0.1).on(FluidBackend::Cpu));
+        test.tick(2);
+        assert_eq!(test.settle(tank.domain).particles, WATER, "{word}");
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn what_could_belong_to_two_domains_is_refused() {
+    let mut test = TestApp::new();
+    let tank = Tank::spawn(&mut test, ALL[0]);
+    Tank::spawn(&mut test, ALL[0]);
+    let homeless = test.spawn(FluidVolume::from(Sphere::new(0.2)));
+    test.tick(3);
+    let complaints = test.complaints();
+    assert_eq!(complaints.len(), 1, "{complaints:?}");
+    assert_eq!((complaints[0].entity, complaints[0].component), (homeless, "FluidVolume"));
+    assert!(complaints[0].message.contains("FluidInDomain"));
+    assert_eq!(test.stats(tank.domain).particles, WATER);
+}
+
+#[test]
+fn a_compressible_fluid_is_allowed_on_request_and_the_statistics_say_so() {
+    let mut test = TestApp::new();
+    let tank = Tank::spawn(&mut test, ALL[0]);
+    test.change::<FluidDomain>(tank.domain, |domain| {
+        domain.settings.sound_speed = Some(5.0);
+        domain.settings.allow_compressible = true;
+    });
+    test.tick(2);
+    let notes = test.stats(tank.domain).notes.join("\n");
+    assert!(notes.contains("compressible"), "{notes}");
+    test.expect_no_complaints();
+}
