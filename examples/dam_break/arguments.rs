@@ -65,7 +65,10 @@ pub fn refuse(message: &str) -> ExitCode {
 }
 
 fn particles(text: &str) -> Result<u32, String> {
-    text.parse().ok().filter(|count| (100..=2_000_000).contains(count)).ok_or_else(|| "allowed: 100 to 2000000".to_owned())
+    text.parse()
+        .ok()
+        .filter(|count| (100..=2_000_000).contains(count))
+        .ok_or_else(|| "allowed: 100 to 2000000".to_owned())
 }
 
 fn pictures(text: &str) -> Result<u32, String> {
@@ -73,7 +76,10 @@ fn pictures(text: &str) -> Result<u32, String> {
 }
 
 fn seconds(text: &str) -> Result<f32, String> {
-    text.parse().ok().filter(|seconds| (0.01..=600.0).contains(seconds)).ok_or_else(|| "allowed: 0.01 to 600".to_owned())
+    text.parse()
+        .ok()
+        .filter(|seconds| (0.01..=600.0).contains(seconds))
+        .ok_or_else(|| "allowed: 0.01 to 600".to_owned())
 }
 
 fn backend(text: &str) -> Result<FluidBackend, String> {

@@ -23,9 +23,9 @@ impl Orbit {
     pub fn around(setup: &Setup) -> Self {
         let (low, high) = setup.bounds;
         let size = high - low;
-        // A little below the middle, because fluid lies at the bottom.
-        let target = (low + high) / 2.0 - Vec3::Y * 0.14 * size.y;
-        Self { target, distance: 1.22 * size.length(), yaw: 0.42, pitch: 0.36 }
+        // A little below the middle, because fluid lies at the bottom; steep enough that no horizon distracts.
+        let target = (low + high) / 2.0 - Vec3::Y * 0.16 * size.y;
+        Self { target, distance: 1.06 * size.length(), yaw: 0.42, pitch: 0.45 }
     }
 
     /// The pose.

@@ -64,7 +64,8 @@ pub fn run(arguments: &Arguments, setup: Setup) -> Result<(), String> {
         summary.least_time_scale = 1.0;
     });
     // Waited for, so that drawing does not take the cores from the solver whose time is measured.
-    let stage = Stage { setup, backend: arguments.backend, mode: FluidMode::Lockstep, coloring: FluidColoring::default() };
+    let stage =
+        Stage { setup, backend: arguments.backend, mode: FluidMode::Lockstep, coloring: FluidColoring::default() };
     let mut app = app(stage, findings.clone());
     let adapter = app.world().get_resource::<RenderAdapterInfo>().map(|info| info.name.clone());
     findings.update(|summary| summary.adapter = adapter.unwrap_or_default());
@@ -81,7 +82,9 @@ pub fn run(arguments: &Arguments, setup: Setup) -> Result<(), String> {
         shoot(&mut app, folder.join(format!("frame_{picture:04}.png")));
         update(&mut app)?;
         bar.set_position(u64::from(picture));
-        bar.set_message(findings.update(|summary| format!("{} particles, {:.2} s", summary.particles, summary.simulated)));
+        bar.set_message(
+            findings.update(|summary| format!("{} particles, {:.2} s", summary.particles, summary.simulated)),
+        );
     }
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(0));
     for _ in 0..3 {

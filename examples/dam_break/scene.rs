@@ -7,9 +7,9 @@ use freshet_core::scene::{Boundary, BoundaryShape, FluidScene, Resolution, Volum
 use crate::arguments::Arguments;
 
 /// Inner size of the tank, m.
-const TANK: Vec3 = Vec3::new(2.0, 1.2, 0.8);
+const TANK: Vec3 = Vec3::new(3.0, 1.6, 1.2);
 /// Size of the column, m.
-const COLUMN: Vec3 = Vec3::new(0.7, 0.8, 0.8);
+const COLUMN: Vec3 = Vec3::new(1.05, 1.2, 1.2);
 
 /// A ball beside the fluid.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +46,10 @@ impl Setup {
         let text = std::fs::read(path).map_err(|error| format!("{name}: {error}"))?;
         let scene = FluidScene::from_ron_bytes(&text).map_err(|error| format!("{name}: {error}"))?;
         if !scene.bodies.is_empty() {
-            return Err(format!("{name}: bodies: {} is not allowed; allowed: none in this example", scene.bodies.len()));
+            return Err(format!(
+                "{name}: bodies: {} is not allowed; allowed: none in this example",
+                scene.bodies.len()
+            ));
         }
         Self::of(scene, Vec::new(), false).map_err(|error| format!("{name}: {error}"))
     }
@@ -62,8 +65,8 @@ impl Setup {
         };
         // Large enough to be sampled at the coarsest.
         let balls = vec![
-            Ball { position: Vec3::new(1.25, 0.14, 0.24), radius: 0.13, density: 350.0 },
-            Ball { position: Vec3::new(1.55, 0.12, 0.58), radius: 0.11, density: 600.0 },
+            Ball { position: Vec3::new(1.9, 0.19, 0.36), radius: 0.18, density: 300.0 },
+            Ball { position: Vec3::new(2.35, 0.16, 0.85), radius: 0.15, density: 600.0 },
         ];
         Self::of(scene, balls, true)
     }

@@ -31,9 +31,18 @@ pub fn build_surroundings(
     stage: Res<Stage>,
 ) {
     commands.insert_resource(ClearColor(Color::srgb(0.80, 0.86, 0.92)));
-    commands.insert_resource(GlobalAmbientLight { color: Color::srgb(0.86, 0.93, 1.0), brightness: 900.0, ..default() });
+    commands.insert_resource(GlobalAmbientLight {
+        color: Color::srgb(0.86, 0.93, 1.0),
+        brightness: 900.0,
+        ..default()
+    });
     commands.spawn((
-        DirectionalLight { illuminance: 7_500.0, color: Color::srgb(1.0, 0.96, 0.9), shadow_maps_enabled: true, ..default() },
+        DirectionalLight {
+            illuminance: 7_500.0,
+            color: Color::srgb(1.0, 0.96, 0.9),
+            shadow_maps_enabled: true,
+            ..default()
+        },
         Transform::default().looking_to(Vec3::new(-0.45, -1.0, -0.55), Vec3::Y),
     ));
     let (height, extent) = stage.setup.ground();
@@ -41,12 +50,12 @@ pub fn build_surroundings(
     commands.spawn((
         Mesh3d(meshes.add(Plane3d::default().mesh().size(60.0 * extent.x, 60.0 * extent.x))),
         MeshMaterial3d(materials.add(StandardMaterial {
-            base_color: Color::srgb(0.72, 0.77, 0.82),
+            base_color: Color::srgb(0.62, 0.68, 0.75),
             perceptual_roughness: 0.9,
             reflectance: 0.2,
             ..default()
         })),
-        Transform::from_xyz(center.x, height - 0.02, center.z),
+        Transform::from_xyz(center.x, height - 0.06, center.z),
     ));
 }
 
@@ -61,10 +70,7 @@ pub fn build(
     let domain = commands
         .spawn_fluid_scene(&stage.setup.scene, |domain| *domain = domain.clone().on(backend).in_mode(mode))
         .map_err(|error| error.to_string())?;
-    commands.entity(domain).insert((
-        OnStage,
-        FluidAppearance { coloring: stage.coloring.clone(), ..default() },
-    ));
+    commands.entity(domain).insert((OnStage, FluidAppearance { coloring: stage.coloring.clone(), ..default() }));
     for (index, ball) in stage.setup.balls.iter().enumerate() {
         let color = [Color::srgb(0.93, 0.42, 0.12), Color::srgb(0.95, 0.75, 0.15)][index % 2];
         commands.spawn((
@@ -74,8 +80,14 @@ pub fn build(
             ColliderMassProperties::Density(ball.density),
             FluidBody::default(),
             FluidInDomain(domain),
-            Mesh3d(meshes.add(Sphere::new(ball.radius).mesh().ico(5).unwrap_or_else(|_| Sphere::new(ball.radius).into()))),
-            MeshMaterial3d(materials.add(StandardMaterial { base_color: color, perceptual_roughness: 0.35, ..default() })),
+            Mesh3d(
+                meshes.add(Sphere::new(ball.radius).mesh().ico(5).unwrap_or_else(|_| Sphere::new(ball.radius).into())),
+            ),
+            MeshMaterial3d(materials.add(StandardMaterial {
+                base_color: color,
+                perceptual_roughness: 0.35,
+                ..default()
+            })),
             Transform::from_translation(ball.position),
         ));
     }
@@ -84,7 +96,20 @@ pub fn build(
         perceptual_roughness: 0.4,
         ..default()
     });
+    let plate = materials.add(StandardMaterial {
+        base_color: Color::srgb(0.86, 0.88, 0.90),
+        perceptual_roughness: 0.6,
+        ..default()
+    });
     for (center, size) in stage.setup.tanks() {
+        let base = size * Vec3::new(1.0, 0.0, 1.0) + Vec3::new(0.12, 0.04, 0.12) * size.max_element();
+        commands.spawn((
+            OnStage,
+            Mesh3d(meshes.add(Cuboid::from_size(base))),
+            MeshMaterial3d(plate.clone()),
+            // The water stands on it.
+            Transform::from_translation(center - Vec3::Y * (size.y + base.y + 0.01 * size.max_element()) / 2.0),
+        ));
         for (position, size) in edges(size, 0.006 * size.max_element()) {
             commands.spawn((
                 OnStage,

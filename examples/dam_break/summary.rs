@@ -67,7 +67,10 @@ impl Summary {
         line("wall time per simulated second, solver only", format!("{:.3} s", self.cost()));
         line("wall time, pictures and all", format!("{:.3} s", self.wall));
         line("least time scale", format!("{:.3}", self.least_time_scale));
-        line("compression, mean and of one particle", format!("{:.2} % and {:.2} %", 100.0 * self.mean_compression, 100.0 * self.max_compression));
+        line(
+            "compression, mean and of one particle",
+            format!("{:.2} % and {:.2} %", 100.0 * self.mean_compression, 100.0 * self.max_compression),
+        );
         line("largest speed", format!("{:.3} m/s", self.max_speed));
         line("particles removed", self.removed.to_string());
         line("pictures", self.pictures.to_string());

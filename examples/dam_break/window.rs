@@ -1,7 +1,9 @@
 //! In a window.
 
 use bevy::prelude::*;
-use bevy_egui::{EguiPlugin, EguiPrimaryContextPass, input::egui_wants_any_keyboard_input, input::egui_wants_any_pointer_input};
+use bevy_egui::{
+    EguiPlugin, EguiPrimaryContextPass, input::egui_wants_any_keyboard_input, input::egui_wants_any_pointer_input,
+};
 use bevy_freshet::prelude::*;
 
 use crate::arguments::Arguments;
@@ -13,12 +15,8 @@ use crate::stage::{Stage, build, build_surroundings};
 /// Opens the window; returns when it is closed.
 pub fn run(arguments: &Arguments, setup: Setup) {
     let window = Window { title: "Freshet: dam break".to_owned(), ..default() };
-    let stage = Stage {
-        setup,
-        backend: arguments.backend,
-        mode: FluidMode::Pipelined,
-        coloring: FluidColoring::default(),
-    };
+    let stage =
+        Stage { setup, backend: arguments.backend, mode: FluidMode::Pipelined, coloring: FluidColoring::default() };
     App::new()
         .add_plugins(DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() }))
         .add_plugins((EguiPlugin::default(), FreshetPlugins::default()))

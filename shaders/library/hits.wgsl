@@ -1,5 +1,5 @@
 // Which candidates of a particle are its neighbours: a bit each, written by the density pass, so that the acceleration
-// pass loads only those. A word for each row but the particle's own, most of which are neighbours anyway.
+// pass loads only those, a sixth of them. A word for each of the nine rows.
 #define_import_path freshet::hits
 
 // Places of a row that have a bit. A row of three cells holds 24 particles at rest with H = 2d.
@@ -10,7 +10,7 @@ const SAMPLES: u32 = 0x40000000u;
 // The row has more places.
 const MORE: u32 = 0x80000000u;
 
-// The particle's own row, which has no word.
+// The particle's own row, whose word is elsewhere: the memory of the state has eight words.
 const OWN_ROW: u32 = 4u;
 
 fn word_of(row: u32) -> u32 {

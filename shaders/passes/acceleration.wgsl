@@ -1,6 +1,6 @@
 // a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k P_a F x_ak ]
 // Pressure form: Monaghan 1992, eq. 3.3. Pi_ab: Monaghan 1992, eq. 4.1, with beta = 0, for all pairs (Monaghan 2005).
-// The particle itself is among the b: x_aa = 0 makes its term vanish, and a test would cost more.
+// The b come from the bits that the density pass left, see library/hits.wgsl.
 
 #import freshet::bindings as fields
 #import freshet::grid
@@ -75,11 +75,11 @@ fn acceleration_of(a: u32) -> vec3<f32> {
     var samples = vec3<f32>(0.0);
 #endif
     for (var row = 0u; row < 9u; row++) {
-        var found = hits::MORE | hits::SAMPLES;
-        var without_bit = 0u;
-        if (row != hits::OWN_ROW) {
+        var found = 0u;
+        if (row == hits::OWN_ROW) {
+            found = fields::hits_of_own_row(a);
+        } else {
             found = fields::hits_of(a, hits::word_of(row));
-            without_bit = hits::PLACES;
         }
         if (found == 0u) {
             continue;
@@ -90,7 +90,7 @@ fn acceleration_of(a: u32) -> vec3<f32> {
             fluid += from_particle(own, grid::member(around, firstTrailingBit(places)));
         }
         if ((found & hits::MORE) != 0u) {
-            for (var t = without_bit; t < around.count; t++) {
+            for (var t = hits::PLACES; t < around.count; t++) {
                 fluid += from_particle(own, grid::member(around, t));
             }
         }

@@ -39,7 +39,8 @@ fn density_of(a: u32) -> f32 {
             let x = position - fields::sorted_position(grid::member(around, t));
             let r_squared = dot(x, x);
             fluid += kernels::shape(sqrt(r_squared) * inverse_radius);
-            found |= hits::bit(t, r_squared < squared_radius);
+            // Not the particle itself, nor one at the same place: they exert no force.
+            found |= hits::bit(t, r_squared < squared_radius && r_squared > 0.0);
         }
 #ifdef WALLS
         let walls = grid::row_of(wall_starts, cells);
@@ -57,7 +58,9 @@ fn density_of(a: u32) -> f32 {
             samples += body.w * kernels::shape(length(position - body.xyz) * inverse_radius);
         }
 #endif
-        if (row != hits::OWN_ROW) {
+        if (row == hits::OWN_ROW) {
+            fields::set_hits_of_own_row(a, found);
+        } else {
             fields::set_hits(a, hits::word_of(row), found);
         }
     }

@@ -139,7 +139,7 @@ fn shade(n: vec3<f32>, v: vec3<f32>, color: vec3<f32>, openness: f32) -> vec3<f3
     let sky = mix(0.55, 1.0, n.y * 0.5 + 0.5);
     var light = color / PI * fluid.light.rgb * diffuse * mix(0.75, 1.0, openness);
     light += color * fluid.ambient.rgb * sky * occlusion;
-    light += fluid.light.rgb * saturate(n_l) * specular(n, v, l, 0.28);
+    light += fluid.light.rgb * saturate(n_l) * 0.6 * specular(n, v, l, 0.36);
     // The sky's reflection makes the rim bright.
     let fresnel = 0.02 + 0.98 * pow(1.0 - saturate(dot(n, v)), 4.0);
     let horizon = fluid.ambient.rgb * 1.6 + fluid.light.rgb * 0.025;

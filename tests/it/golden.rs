@@ -13,9 +13,10 @@ use crate::harness::TestApp;
 
 const SIZE: UVec2 = UVec2::new(320, 200);
 const SPACING: f32 = 0.05;
-/// Mean over pixels and channels of the difference, in 1/255. Drivers differ in rounding and in the edges of spheres: 0.2
-/// between llvmpipe and the GPUs tried. The mildest mutation, all of the fluid shifted by one spacing, makes 3.
-const TOLERANCE: f64 = 1.0;
+/// Mean over pixels and channels of the difference, in 1/255. Drivers differ in rounding and at the edges of spheres, solvers in
+/// the last digits of positions: on llvmpipe, the CPU solver's picture differs by 0.00 and the GPU solver's by 0.01. The
+/// mildest mutation, wrong depth, makes more than 1.3.
+const TOLERANCE: f64 = 0.5;
 
 /// What is different from the golden picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,7 +33,8 @@ fn picture(change: Change) -> RgbImage {
     let mut test = TestApp::new();
     if change.wrong_depth {
         let mut shaders = test.world().resource_mut::<Assets<Shader>>();
-        let mut impostors: Vec<_> = shaders.iter_mut().filter(|(_, shader)| shader.path.ends_with("impostor.wgsl")).collect();
+        let mut impostors: Vec<_> =
+            shaders.iter_mut().filter(|(_, shader)| shader.path.ends_with("impostor.wgsl")).collect();
         let (_, shader) = impostors.first_mut().expect("the impostor shader");
         let Source::Wgsl(text) = &shader.source else { panic!("it is WGSL") };
         // As if the quad's depth were the sphere's, a spacing further away.
@@ -66,8 +68,9 @@ fn picture(change: Change) -> RgbImage {
             Transform::from_xyz(0.25 + change.shift, 0.3, 0.25),
         ));
     }
-    let eye = Vec3::new(1.5, 0.9, 1.6);
-    let canvas = test.spawn_camera(SIZE, Transform::from_translation(eye).looking_at(Vec3::new(0.5, 0.25, 0.25), Vec3::Y));
+    let eye = Vec3::new(1.2, 0.75, 1.4);
+    let canvas =
+        test.spawn_camera(SIZE, Transform::from_translation(eye).looking_at(Vec3::new(0.5, 0.25, 0.25), Vec3::Y));
     // Early enough that rounding has not grown into other splashes.
     test.tick(10);
     assert_eq!(test.stats(domain).ticks, if change.empty { 0 } else { 10 });
@@ -103,7 +106,11 @@ fn the_picture_is_the_golden_one_on_both_backends() {
             drawn.save(&place).expect("the picture can be written");
         }
         println!("{name}: {difference:.3}");
-        assert!(difference <= TOLERANCE, "{name} differs by {difference:.3}, allowed: {TOLERANCE}; see {}", place.display());
+        assert!(
+            difference <= TOLERANCE,
+            "{name} differs by {difference:.3}, allowed: {TOLERANCE}; see {}",
+            place.display()
+        );
     }
 }
 

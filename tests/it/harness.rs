@@ -116,10 +116,8 @@ impl TestApp {
         let cache = render.world().resource::<PipelineCache>();
         for pipeline in cache.pipelines() {
             if let CachedPipelineState::Err(error) = &pipeline.state {
-                let is_final = matches!(
-                    error,
-                    ShaderCacheError::ProcessShaderError(_) | ShaderCacheError::CreateShaderModule(_)
-                );
+                let is_final =
+                    matches!(error, ShaderCacheError::ProcessShaderError(_) | ShaderCacheError::CreateShaderModule(_));
                 assert!(!is_final, "a shader is wrong: {error:?}");
             }
         }

@@ -43,7 +43,7 @@ fn wrong_walls_and_emitters_are_refused() {
     refuses(FluidContainer::open_box(0.0, 1.0, 1.0), "FluidContainer", &["size", "0", "allowed"]);
     let open = FluidContainer { open: [true; 6], ..FluidContainer::open_box(1.0, 1.0, 1.0) };
     refuses(open, "FluidContainer", &["open"]);
-    refuses(FluidBoundary::plane(-1.0, 1.0), "FluidBoundary", &["half_extents", "-0.5"]);
+    refuses(FluidBoundary::plane(-1.0, 1.0), "FluidBoundary", &["shape.half_size", "-0.5"]);
     refuses(FluidEmitter::disc(0.1, 0.0, 1.0), "FluidEmitter", &["speed", "0", "0.001 to 1000"]);
     refuses(FluidEmitter::disc(0.1, 1.0, -2.0), "FluidEmitter", &["lifetime", "-2"]);
 }
@@ -66,7 +66,9 @@ fn a_wrong_domain_says_so_and_recovers() {
         assert_eq!((complaints[0].entity, complaints[0].component), (tank.domain, "FluidDomain"));
         assert!(complaints[0].message.contains(word), "{word} in {complaints:?}");
         assert_eq!(test.stats(tank.domain).ticks, 0, "nothing can be simulated");
-        test.change::<FluidDomain>(tank.domain, |domain| *domain = FluidDomain::with_spacing(0.1).on(FluidBackend::Cpu));
+        test.change::<FluidDomain>(tank.domain, |domain| {
+            *domain = FluidDomain::with_spacing(0.1).on(FluidBackend::Cpu)
+        });
         test.tick(2);
         assert_eq!(test.settle(tank.domain).particles, WATER, "{word}");
         test.expect_no_complaints();

@@ -19,6 +19,7 @@ pub mod simulation;
 
 /// What most programs need; every name begins with `Fluid` or `Freshet`.
 pub mod prelude {
+    pub use crate::components::body::FluidBody;
     pub use crate::components::boundary::{FluidBoundary, FluidBoundaryShape};
     pub use crate::components::container::FluidContainer;
     pub use crate::components::domain::{FluidBackend, FluidDomain, FluidMode};
@@ -31,12 +32,11 @@ pub mod prelude {
     pub use crate::components::settings::{FluidEquationOfState, FluidKernel, FluidSettings};
     pub use crate::components::stats::{FluidPassTime, FluidStats};
     pub use crate::components::volume::{FluidShape, FluidVolume};
-    pub use crate::components::body::FluidBody;
     pub use crate::coupling::FluidCouplingPlugin;
     pub use crate::plugins::FreshetPlugins;
+    pub use crate::rendering::FluidRenderPlugin;
     pub use crate::rendering::appearance::{FluidAppearance, FluidColoring, FluidField};
     pub use crate::rendering::gradient::FluidGradient;
-    pub use crate::rendering::FluidRenderPlugin;
-    pub use crate::simulation::sets::FreshetSystems;
     pub use crate::simulation::FluidSimulationPlugin;
+    pub use crate::simulation::sets::FreshetSystems;
 }

@@ -543,10 +543,7 @@ fn near_point(
     })
 }
 
-fn sample_boundaries(
-    boundaries: &[Boundary],
-    layer: &WallLayer,
-) -> Result<PlannedBoundary, SceneError> {
+fn sample_boundaries(boundaries: &[Boundary], layer: &WallLayer) -> Result<PlannedBoundary, SceneError> {
     let spacing = layer.spacing();
     let too_many = |count: f64| {
         let allowed =
@@ -599,12 +596,13 @@ pub fn sample_boundary(boundary: &Boundary, layer: &WallLayer) -> Result<Vec<Vec
     let local = match boundary.shape {
         BoundaryShape::Container { half_extents, open } => layer.container(half_extents, open),
         BoundaryShape::Box { half_extents } => layer.box_surface(half_extents),
-        BoundaryShape::Plane { half_extents } => layer.plane(Vec3::Y, half_extents[0], half_extents[1])
-            .map_err(|error| match error.field.as_str() {
+        BoundaryShape::Plane { half_extents } => {
+            layer.plane(Vec3::Y, half_extents[0], half_extents[1]).map_err(|error| match error.field.as_str() {
                 "half_extent_u" => InvalidInput { field: "half_extents[0]".to_owned(), ..error },
                 "half_extent_v" => InvalidInput { field: "half_extents[1]".to_owned(), ..error },
                 _ => error,
-            }),
+            })
+        }
     }
     .map_err(|error| error.inside("shape"))?;
     Ok(local.into_iter().map(|point| boundary.rotation * point + boundary.center).collect())

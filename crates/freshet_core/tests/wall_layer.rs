@@ -68,6 +68,8 @@ fn shapes_have_their_samples_at_the_depth_of_the_layer() {
     let plane = layer.plane(Vec3::Z, 1.0, 1.0).unwrap();
     assert!(plane.iter().all(|sample| near(sample.z, -layer.depth)));
     // Bodies thinner than the layer is deep still have samples.
-    assert!(!layer.sphere_surface(0.08).unwrap().is_empty() && !layer.box_surface(Vec3::splat(0.06)).unwrap().is_empty());
+    assert!(
+        !layer.sphere_surface(0.08).unwrap().is_empty() && !layer.box_surface(Vec3::splat(0.06)).unwrap().is_empty()
+    );
     assert!(layer.sphere_surface(-1.0).is_err() && layer.container(Vec3::NAN, [false; 6]).is_err());
 }

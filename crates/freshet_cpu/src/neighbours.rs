@@ -70,9 +70,8 @@ mod tests {
         let starts: Vec<u32> = (0..=grid.cells()).collect();
         let size = grid.dimensions().as_ivec3();
         for at in [IVec3::ZERO, size - 1, IVec3::new(1, 2, 3), IVec3::new(size.x - 1, 0, 1), IVec3::new(-1, -1, -1)] {
-            let mut expected: Vec<u32> = (0..27)
-                .map(|n| grid.index(at + IVec3::new(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1)))
-                .collect();
+            let mut expected: Vec<u32> =
+                (0..27).map(|n| grid.index(at + IVec3::new(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1))).collect();
             let mut found: Vec<u32> = Rows::around(&grid, &starts, grid.index(at) as usize)
                 .all()
                 .iter()

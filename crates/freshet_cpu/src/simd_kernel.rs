@@ -122,8 +122,13 @@ impl SimdKernel for QuinticSpline {
     fn slope_over_q<S: Simd>(simd: S, q: S::f32s) -> S::f32s {
         let s = scale(simd, 3.0, q);
         // Near the centre the three terms cancel: multiplied out, the division is exact.
-        let inside = scale(simd, 9.0, simd.mul_add_f32s(square(simd, s), line(simd, -50.0, s, 120.0), simd.splat_f32s(-120.0)));
-        let sum = simd.mul_add_f32s(simd.splat_f32s(30.0), Self::fourth(simd, q, 2.0), scale(simd, -5.0, Self::fourth(simd, q, 3.0)));
+        let inside =
+            scale(simd, 9.0, simd.mul_add_f32s(square(simd, s), line(simd, -50.0, s, 120.0), simd.splat_f32s(-120.0)));
+        let sum = simd.mul_add_f32s(
+            simd.splat_f32s(30.0),
+            Self::fourth(simd, q, 2.0),
+            scale(simd, -5.0, Self::fourth(simd, q, 3.0)),
+        );
         let outside = over_q(simd, scale(simd, 3.0, sum), q);
         simd.select_f32s(simd.less_than_f32s(s, simd.splat_f32s(1.0)), inside, outside)
     }

@@ -220,9 +220,8 @@ impl CpuSolver {
         } else {
             Vec::new()
         };
-        let dt = tally.timed("step_control", || {
-            step_control::substep(&self.plan.parameters, &maxima, &self.bodies, remaining)
-        });
+        let dt = tally
+            .timed("step_control", || step_control::substep(&self.plan.parameters, &maxima, &self.bodies, remaining));
         tally.timed("body_motion", || {
             for (body, (force, torque)) in self.bodies.iter_mut().zip(loads) {
                 body.advance(force, torque, dt);
@@ -244,8 +243,7 @@ impl CpuSolver {
     fn sort(&mut self) -> Dropped {
         let parameters = &self.plan.parameters;
         let bounds = [parameters.bounds_min, parameters.bounds_max];
-        let gone =
-            self.sorter.sort(&self.workers, &self.plan.grid, bounds, &mut self.particles, &mut self.scratch);
+        let gone = self.sorter.sort(&self.workers, &self.plan.grid, bounds, &mut self.particles, &mut self.scratch);
         let padded = self.particles.len + PADDING;
         for values in [&mut self.density, &mut self.pressure_term].into_iter().chain(&mut self.acceleration) {
             values.resize(padded, 0.0);

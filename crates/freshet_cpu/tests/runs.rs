@@ -66,7 +66,8 @@ fn a_snapshot_continues_with_the_same_bits() {
 #[test]
 fn momentum_in_free_flight_is_kept_to_rounding() {
     let mut scene = FluidScene { gravity: Vec3::ZERO, ..FluidScene::with_spacing(0.05) };
-    let throw = |x: f32, velocity: Vec3| Volume { velocity, ..Volume::block(Vec3::splat(0.15), Vec3::new(x, 0.0, 0.0)) };
+    let throw =
+        |x: f32, velocity: Vec3| Volume { velocity, ..Volume::block(Vec3::splat(0.15), Vec3::new(x, 0.0, 0.0)) };
     scene.volumes = vec![throw(-0.16, Vec3::new(1.0, 0.2, 0.0)), throw(0.16, Vec3::new(-0.5, 0.0, 0.1))];
     let mut solver = solver(&scene, 2);
     let before = total_velocity(&mut solver);
@@ -94,8 +95,7 @@ fn a_dam_break_stays_inside_and_in_real_time() {
 
 #[test]
 fn an_emitter_fills_its_pool_and_its_particles_retire() {
-    let emitter =
-        Emitter { center: Vec3::Y, direction: Vec3::NEG_Y, radius: 0.1, speed: 2.0, lifetime: 0.25 };
+    let emitter = Emitter { center: Vec3::Y, direction: Vec3::NEG_Y, radius: 0.1, speed: 2.0, lifetime: 0.25 };
     let layer = emitter.layer(0.05).len() as u32;
     let scene = FluidScene { emitters: vec![emitter], ..FluidScene::with_spacing(0.05) };
     let mut solver = solver(&scene, 2);
@@ -214,7 +214,8 @@ fn a_body_gets_what_the_fluid_loses() {
     let (mut given, mut position, mut velocity) = (DVec3::ZERO, Vec3::ZERO, Vec3::ZERO);
     for tick in 0..30 {
         let body = BodyInput { position, linear_velocity: velocity, inverse_mass: 0.1, ..BodyInput::default() };
-        let report = solver.step(&StepInput { tick, duration: 0.01, bodies: vec![body], commands: Vec::new() }).unwrap();
+        let report =
+            solver.step(&StepInput { tick, duration: 0.01, bodies: vec![body], commands: Vec::new() }).unwrap();
         let impulse = report.bodies[0].linear;
         given += impulse.as_dvec3();
         position += (velocity + 0.05 * impulse) * 0.01;

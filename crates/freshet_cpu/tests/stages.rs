@@ -55,8 +55,13 @@ fn reference(plan: &Plan, state: &Snapshot) -> Reference {
     let (mass, rest, h) = (f64::from(p.particle_mass), f64::from(p.rest_density), f64::from(p.smoothing_length));
     let x: Vec<DVec3> = state.positions.iter().map(|x| x.as_dvec3()).collect();
     let v: Vec<DVec3> = state.velocities.iter().map(|v| v.as_dvec3()).collect();
-    let walls: Vec<(DVec3, f64)> =
-        plan.boundary.positions.iter().zip(&plan.boundary.volumes).map(|(x, &v)| (x.as_dvec3(), f64::from(v))).collect();
+    let walls: Vec<(DVec3, f64)> = plan
+        .boundary
+        .positions
+        .iter()
+        .zip(&plan.boundary.volumes)
+        .map(|(x, &v)| (x.as_dvec3(), f64::from(v)))
+        .collect();
     let density: Vec<f64> = x
         .iter()
         .map(|&at| {
@@ -118,7 +123,12 @@ fn every_kernel_and_instruction_set_agrees_with_sums_over_all_pairs() {
                 let error = (f64::from(density[i]) - expected.density[i]).abs();
                 assert!(error < 1e-5 * 1000.0, "{kernel:?} density {i}: {} not {}", density[i], expected.density[i]);
                 let error = (f64::from(pressure[i]) - expected.pressure[i]).abs();
-                assert!(error < 1e-4 * stiffest, "{kernel:?} pressure {i}: {} not {}", pressure[i], expected.pressure[i]);
+                assert!(
+                    error < 1e-4 * stiffest,
+                    "{kernel:?} pressure {i}: {} not {}",
+                    pressure[i],
+                    expected.pressure[i]
+                );
                 let error = (acceleration[i].as_dvec3() - expected.acceleration[i]).length();
                 assert!(error < 1e-4 * largest, "{kernel:?} {i}: {} not {}", acceleration[i], expected.acceleration[i]);
             }

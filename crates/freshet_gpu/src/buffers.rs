@@ -31,8 +31,8 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     let tables = CellTables::of(plan);
     let mut needs = Vec::new();
     let mut need = |binding: Binding, bytes: u64, usage: Usage| {
-        let per_particle = binding.particle_bytes().is_some()
-            || matches!(binding, Binding::CellCounts | Binding::CellStarts);
+        let per_particle =
+            binding.particle_bytes().is_some() || matches!(binding, Binding::CellCounts | Binding::CellStarts);
         needs.push(Need { binding, bytes, per_particle, usage });
     };
     let bytes = |size: usize, count: usize| (size * count) as u64;
@@ -112,10 +112,7 @@ impl Buffers {
         })?;
         for (binding, buffer) in fresh {
             let Some((_, _, old)) = self.buffers.iter_mut().find(|entry| entry.0 == binding) else { continue };
-            if matches!(
-                binding,
-                Binding::Particles | Binding::Densities | Binding::Accelerations
-            ) {
+            if matches!(binding, Binding::Particles | Binding::Densities | Binding::Accelerations) {
                 encoder.copy_buffer_to_buffer(old, 0, &buffer, 0, old.size().min(buffer.size()));
             }
             *old = buffer;

@@ -133,7 +133,7 @@ impl CommandPipelines {
             let empty = [SpawnRecord::default()];
             let spawned = if edits.spawned.is_empty() { &empty[..] } else { &edits.spawned };
             let spawned = upload("spawned", bytemuck::cast_slice(spawned), wgpu::BufferUsages::STORAGE);
-            let bound = bound + edits.spawned();
+            let bound = bound.saturating_add(edits.spawned());
             let mut dispatches = Vec::new();
             for (index, edit) in edits.list.iter().enumerate() {
                 let record = wgpu::BindingResource::Buffer(wgpu::BufferBinding {

@@ -43,10 +43,8 @@ pub fn open_device(request: DeviceRequest) -> Result<FluidDevice, SolverError> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     descriptor.flags.remove(wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL);
     let instance = wgpu::Instance::new(descriptor);
-    let options = wgpu::RequestAdapterOptions {
-        power_preference: wgpu::PowerPreference::HighPerformance,
-        ..Default::default()
-    };
+    let options =
+        wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
     let adapter = block_on(instance.request_adapter(&options)).map_err(|error| {
         SolverError::Device(format!(
             "no Vulkan, Metal or Direct3D 12 adapter ({error}); on Linux install one, in software if need be: apt-get \
@@ -61,8 +59,11 @@ pub fn open_device(request: DeviceRequest) -> Result<FluidDevice, SolverError> {
         limits.max_buffer_size = offered.max_buffer_size;
         limits.max_storage_buffer_binding_size = offered.max_storage_buffer_binding_size;
     }
-    let features =
-        if request.time_stamps { adapter.features() & wgpu::Features::TIMESTAMP_QUERY } else { wgpu::Features::empty() };
+    let features = if request.time_stamps {
+        adapter.features() & wgpu::Features::TIMESTAMP_QUERY
+    } else {
+        wgpu::Features::empty()
+    };
     let (device, queue) = block_on(adapter.request_device(&wgpu::DeviceDescriptor {
         label: Some("freshet:device:solver"),
         required_features: features,
@@ -87,7 +88,7 @@ pub(crate) fn check_device(device: &wgpu::Device, largest: u64) -> Result<(), So
     let limits = device.limits();
     let adapter = device.adapter_info().name;
     let needs = [
-        ("max_storage_buffer_binding_size", u64::from(limits.max_storage_buffer_binding_size), largest),
+        ("max_storage_buffer_binding_size", limits.max_storage_buffer_binding_size, largest),
         ("max_buffer_size", limits.max_buffer_size, largest),
         ("max_storage_buffers_per_shader_stage", u64::from(limits.max_storage_buffers_per_shader_stage), 8),
         ("max_compute_invocations_per_workgroup", u64::from(limits.max_compute_invocations_per_workgroup), 256),

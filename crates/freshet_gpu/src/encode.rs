@@ -128,9 +128,8 @@ impl GpuSolver {
     ) -> Result<(), SolverError> {
         let device = self.device.clone();
         guarded(&device, "executing a tick", || {
-            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                label: Some("freshet:encoder:lockstep"),
-            });
+            let mut encoder = device
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("freshet:encoder:lockstep") });
             fill(self, &mut encoder)?;
             self.queue.submit([encoder.finish()]);
             Ok(())

@@ -28,12 +28,15 @@ impl FluidSolver for GpuSolver {
         let queue = self.queue.clone();
         self.prepare(&queue, input)?;
         self.submit(|solver, encoder| solver.encode(encoder))?;
-        let mut passes = Vec::new();
+        // Stamps of the first chunk and the substeps encoded in it: they stand for the whole tick.
+        let mut first = None;
         loop {
             let Some((about, bytes)) = self.readback.finish(&self.device)?.pop() else {
                 return Err(SolverError::Device("the tick's report did not arrive".to_owned()));
             };
-            let control = Arrival::parse(&bytes, self.plan.bodies.len())?.control;
+            let arrival = Arrival::parse(&bytes, self.plan.bodies.len())?;
+            let control = arrival.control;
+            let (stamps, encoded) = first.get_or_insert((arrival.stamps, about.encoded));
             let elapsed = started.elapsed().as_secs_f32() * 1e3;
             let in_time = self.plan.budget_milliseconds.is_none_or(|budget| elapsed < budget);
             let more = if control.going != 0 && in_time {
@@ -44,17 +47,10 @@ impl FluidSolver for GpuSolver {
             if more == 0 {
                 let mut report = self.account(&about, &bytes)?;
                 self.known.milliseconds = elapsed / report.substeps.max(1) as f32;
-                if !passes.is_empty() {
-                    report.passes = passes;
+                if let Some(timer) = &self.timer {
+                    report.passes = timer.times(stamps, *encoded, report.substeps);
                 }
                 return Ok(report);
-            }
-            if let Some(timer) = &self.timer
-                && passes.is_empty()
-            {
-                // The stamps of the first chunk stand for the whole tick: scaled when the number of substeps is known.
-                let stamps = Arrival::parse(&bytes, self.plan.bodies.len())?.stamps;
-                passes = timer.times(&stamps, about.encoded, control.substeps);
             }
             self.submit(|solver, encoder| {
                 solver.encode_substeps(encoder, more);

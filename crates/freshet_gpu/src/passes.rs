@@ -151,7 +151,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
         }
         StageKind::Density => {
             let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
-            let uses = with(true, uses, &[(B::Densities, Write), (B::Hits, Write)]);
+            let uses = with(true, uses, &[(B::Densities, Write), (B::Hits, Write), (B::Accelerations, Write)]);
             vec![pass("density", passes::DENSITY, Arguments::Particles, &uses)]
         }
         StageKind::Acceleration => {

@@ -28,7 +28,8 @@ impl Pipeline {
                 label: Some(&format!("freshet:shader:{}", pass.name)),
                 source: wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module)),
             });
-            let mut entries: Vec<_> = pass.uses.iter().map(|&(binding, access)| layout_entry(binding, access)).collect();
+            let mut entries: Vec<_> =
+                pass.uses.iter().map(|&(binding, access)| layout_entry(binding, access)).collect();
             entries.sort_by_key(|entry| entry.binding);
             let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                 label: Some(&format!("freshet:bind_group_layout:{}", pass.name)),
@@ -52,7 +53,12 @@ impl Pipeline {
     }
 
     /// Binds the solver's buffers and, for passes of commands, a tick's own.
-    pub fn bind(&self, device: &wgpu::Device, buffers: &Buffers, own: &[(Binding, wgpu::BindingResource)]) -> wgpu::BindGroup {
+    pub fn bind(
+        &self,
+        device: &wgpu::Device,
+        buffers: &Buffers,
+        own: &[(Binding, wgpu::BindingResource)],
+    ) -> wgpu::BindGroup {
         let resource = |binding: Binding| {
             if let Some((_, resource)) = own.iter().find(|entry| entry.0 == binding) {
                 return Some(resource.clone());
@@ -87,11 +93,7 @@ fn layout_entry(binding: Binding, access: Access) -> wgpu::BindGroupLayoutEntry 
     wgpu::BindGroupLayoutEntry {
         binding: binding.number(),
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset: binding == Binding::Input,
-            min_binding_size: None,
-        },
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: binding == Binding::Input, min_binding_size: None },
         count: None,
     }
 }

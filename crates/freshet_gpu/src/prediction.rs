@@ -28,10 +28,8 @@ mod tests {
 
     #[test]
     fn follows_the_last_substep_and_starts_from_the_expected_speed() {
-        let scene = FluidScene {
-            volumes: vec![Volume::block(Vec3::splat(0.5), Vec3::ZERO)],
-            ..FluidScene::with_spacing(0.1)
-        };
+        let scene =
+            FluidScene { volumes: vec![Volume::block(Vec3::splat(0.5), Vec3::ZERO)], ..FluidScene::with_spacing(0.1) };
         let parameters = Plan::new(&scene).unwrap().parameters;
         assert_eq!(substeps_to_encode(&parameters, 0.01, 0.001), 10 + SPARE_SUBSTEPS);
         assert_eq!(substeps_to_encode(&parameters, 0.0, 0.001), 0);

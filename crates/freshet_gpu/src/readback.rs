@@ -8,7 +8,7 @@ use freshet_core::solver::SolverError;
 
 use crate::errors::guarded;
 
-/// Ticks that may be in flight before [`Readback::collect`] waits.
+/// Ticks that may be in flight before [`GpuSolver::collect`](crate::GpuSolver::collect) waits.
 pub const TICKS_IN_FLIGHT: usize = 3;
 
 const PENDING: u8 = 0;
@@ -114,9 +114,8 @@ impl<T> Readback<T> {
             return Ok(Vec::new());
         }
         let staging = guarded(device, "allocating a staging buffer", || staging(device, bytes))?;
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-            label: Some("freshet:encoder:download"),
-        });
+        let mut encoder =
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("freshet:encoder:download") });
         encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
         let state = Arc::new(AtomicU8::new(PENDING));
         let signal = Arc::clone(&state);

@@ -89,7 +89,11 @@ fn kernel_definition(kernel: KernelKind) -> Result<&'static str, SolverError> {
 }
 
 /// Composes one pass.
-pub(crate) fn compose(pass: &Pass, definitions: &Definitions, options: &GpuOptions) -> Result<naga::Module, SolverError> {
+pub(crate) fn compose(
+    pass: &Pass,
+    definitions: &Definitions,
+    options: &GpuOptions,
+) -> Result<naga::Module, SolverError> {
     let patched = |source: &str| match options.patch {
         Some((from, to)) => source.replace(from, to),
         None => source.to_owned(),
@@ -116,7 +120,9 @@ pub(crate) fn compose(pass: &Pass, definitions: &Definitions, options: &GpuOptio
         shader_defs: definitions,
         ..Default::default()
     });
-    module.map_err(|error| SolverError::Device(format!("{} ({}): {}", pass.file.path, pass.name, error.emit_to_string(&composer))))
+    module.map_err(|error| {
+        SolverError::Device(format!("{} ({}): {}", pass.file.path, pass.name, error.emit_to_string(&composer)))
+    })
 }
 
 /// A module as WGSL, without what its entry point does not use.

@@ -17,7 +17,7 @@ use crate::pool::initial_capacity;
 use crate::prediction::substeps_to_encode;
 use crate::readback::Readback;
 use crate::report::Arrival;
-use crate::shader::{compose, definitions, text};
+use crate::shader::{compose, definitions};
 use crate::timing::Timer;
 
 /// A tick that was told to the solver and waits to be encoded.
@@ -78,27 +78,6 @@ pub struct GpuSolver {
     next_slot: u32,
 }
 
-/// The solver's buffers, for those who draw or read them on the GPU. They have `STORAGE` and `COPY_SRC`.
-#[derive(Clone, Copy, Debug)]
-pub struct FluidBuffers<'a> {
-    /// `array<ParticleRecord>`, 32 bytes each: `position: vec3<f32>` (m), `id: u32`, `velocity: vec3<f32>` (m/s),
-    /// `remaining_life: f32` (s).
-    pub particles: &'a wgpu::Buffer,
-    /// `array<vec2<f32>>`: density (kg/m3) and pressure over its square.
-    pub densities: &'a wgpu::Buffer,
-    /// `array<vec4<f32>>`: acceleration (m/s2), then zero.
-    pub accelerations: &'a wgpu::Buffer,
-    /// [`StepControl`]; the number of particles is its member `count`.
-    pub control: &'a wgpu::Buffer,
-    /// Has `INDIRECT`. At [`draw_offset`](Self::draw_offset): `DrawIndirectArgs` of four vertices and an instance for
-    /// each particle, for `draw_indirect` with a triangle strip.
-    pub arguments: &'a wgpu::Buffer,
-    /// Offset of the arguments of drawing in bytes.
-    pub draw_offset: u64,
-    /// Changes whenever buffers were replaced by larger or smaller ones, so that bind groups must be made anew.
-    pub generation: u64,
-}
-
 impl GpuSolver {
     /// Lowers a plan to passes and buffers, compiles and allocates them, and uploads the start.
     ///
@@ -154,6 +133,9 @@ impl GpuSolver {
 
     /// Tells the solver of a tick. Uploads take effect at the next submit.
     ///
+    /// The number of substeps to encode follows from the last report. A plan's budget limits it once the cost of a substep
+    /// is known: from time stamps ([`GpuOptions::time_stamps`]), or from ticks made in lockstep.
+    ///
     /// # Errors
     /// An input out of range, or eight ticks that were not collected.
     pub fn prepare(&mut self, queue: &wgpu::Queue, input: &StepInput) -> Result<(), SolverError> {
@@ -206,39 +188,6 @@ impl GpuSolver {
     /// Ticks that were encoded and whose reports have not arrived.
     pub fn ticks_in_flight(&self) -> usize {
         self.readback.in_flight()
-    }
-
-    /// What renderers and user shaders may read.
-    ///
-    /// # Errors
-    /// Never for a solver that was made; the type says so because nothing here panics.
-    pub fn buffers(&self) -> Result<FluidBuffers<'_>, SolverError> {
-        let get = |binding: Binding| {
-            self.buffers.get(binding).ok_or_else(|| SolverError::Device(format!("no buffer {}", binding.name())))
-        };
-        Ok(FluidBuffers {
-            particles: get(Binding::Particles)?,
-            densities: get(Binding::Densities)?,
-            accelerations: get(Binding::Accelerations)?,
-            control: get(Binding::Control)?,
-            arguments: get(Binding::Arguments)?,
-            draw_offset: 12 * u64::from(Arguments::COUNT),
-            generation: self.generation,
-        })
-    }
-
-    /// Bytes of all buffers the solver holds, as the buffers themselves say. A tick's commands travel in buffers of that
-    /// tick, which are not in the schedule.
-    pub fn allocated_bytes(&self) -> u64 {
-        let timer = self.timer.as_ref().map_or(0, |timer| timer.buffer().size());
-        self.buffers.bytes() + self.readback.bytes() + timer
-    }
-
-    /// The WGSL of a pass as the plan selected it, without what it does not use; none if the plan does not have it.
-    pub fn shader(&self, pass: &str) -> Option<String> {
-        let pipeline = self.begin.iter().chain(&self.substep).find(|pipeline| pipeline.pass.name == pass)?;
-        let definitions = definitions(&self.plan, &self.options).ok()?;
-        text(compose(&pipeline.pass, &definitions, &self.options).ok()?)
     }
 
     /// Takes a report into account: time, particles, the next prediction.

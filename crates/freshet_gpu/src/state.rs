@@ -5,11 +5,10 @@ use freshet_core::field::{Field, FieldData};
 use freshet_core::snapshot::{Exchange, Snapshot};
 use freshet_core::solver::SolverError;
 use freshet_core::step::{BodyInput, Impulse, StepInput};
-use glam::Vec3;
 
 use crate::buffers::Buffers;
 use crate::layout::{
-    Binding, BodyInputRecord, BodyRecord, ExchangeRecord, ParticleRecord, StepControl,
+    AccelerationRecord, Binding, BodyInputRecord, BodyRecord, ExchangeRecord, ParticleRecord, StepControl,
 };
 use crate::solver::{GpuSolver, halves};
 
@@ -66,8 +65,8 @@ impl GpuSolver {
                 FieldData::Scalar(densities(self)?.iter().map(|[density, term]| term * density * density).collect())
             }
             Field::Acceleration => {
-                let values = self.download::<[f32; 4]>(Binding::Accelerations, count)?;
-                FieldData::Vector(values.iter().map(|[x, y, z, _]| Vec3::new(*x, *y, *z)).collect())
+                let records = self.download::<AccelerationRecord>(Binding::Accelerations, count)?;
+                FieldData::Vector(records.iter().map(|record| record.acceleration).collect())
             }
         })
     }

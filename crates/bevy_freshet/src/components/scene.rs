@@ -41,9 +41,7 @@ impl FluidSceneCommands for Commands<'_, '_> {
         }
         let spacing = match scene.resolution {
             Resolution::Spacing(spacing) => spacing,
-            Resolution::Particles(count) => {
-                (scene.volumes.iter().map(Volume::size).sum::<f32>() / count as f32).cbrt()
-            }
+            Resolution::Particles(count) => (scene.volumes.iter().map(Volume::size).sum::<f32>() / count as f32).cbrt(),
         };
         let support_ratio = match scene.settings.support {
             Support::Ratio(ratio) => ratio,
@@ -67,7 +65,12 @@ impl FluidSceneCommands for Commands<'_, '_> {
                 Shape::Sphere { radius } => FluidShape::Sphere { radius },
             };
             let pose = Transform::from_translation(volume.center).with_rotation(volume.rotation);
-            self.spawn((FluidVolume { shape, velocity: volume.velocity, hydrostatic: volume.hydrostatic }, fluid.clone(), pose, member()));
+            self.spawn((
+                FluidVolume { shape, velocity: volume.velocity, hydrostatic: volume.hydrostatic },
+                fluid.clone(),
+                pose,
+                member(),
+            ));
         }
         for emitter in &scene.emitters {
             let pose = Transform::from_translation(emitter.center)

@@ -38,8 +38,7 @@ pub(crate) fn begin_tick(
         }
         let state = &mut *state;
         coupling.bodies.retain(|entity, _| state.body_entities.contains(entity));
-        let parameters =
-            IntegrationParameters { dt: time.delta_secs(), ..context.simulation.integration_parameters };
+        let parameters = IntegrationParameters { dt: time.delta_secs(), ..context.simulation.integration_parameters };
         let view = RapierView {
             bodies: &context.rigidbody_set.bodies,
             narrow_phase: &context.simulation.narrow_phase,
@@ -61,7 +60,7 @@ pub(crate) fn begin_tick(
             let input = match begin() {
                 Some(Ok(input)) => to_domain(input, state.frame),
                 Some(Err(error)) => {
-                    report(&mut commands, entity, "FluidBody", error);
+                    fail(&mut commands, entity, error);
                     coupling.bodies.remove(&entity);
                     BodyInput::default()
                 }
@@ -109,7 +108,7 @@ fn receive(
             let Some(body) = coupling.bodies.get_mut(&entity) else { continue };
             let impulse = to_world(impulse, frame);
             if let Err(error) = body.receive(pushes.tick, impulse, &mut context.rigidbody_set.bodies) {
-                report(commands, entity, "FluidBody", error);
+                fail(commands, entity, error);
                 coupling.bodies.remove(&entity);
             }
         }
@@ -126,11 +125,16 @@ fn drive(
     let bodies = &mut context.rigidbody_set.bodies;
     coupling.bodies.retain(|&entity, body| match call(body, bodies) {
         Ok(()) => true,
-        // It was despawned in this tick; that is no error.
-        Err(CouplingError::NoSuchBody(_)) => false,
         Err(error) => {
-            report(commands, entity, "FluidBody", error);
+            fail(commands, entity, error);
             false
         }
     });
+}
+
+fn fail(commands: &mut Commands, entity: Entity, error: CouplingError) {
+    // A body may be despawned while impulses are under way; that is no error.
+    if !matches!(error, CouplingError::NoSuchBody(_)) {
+        report(commands, entity, "FluidBody", error);
+    }
 }

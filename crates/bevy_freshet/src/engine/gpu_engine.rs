@@ -184,8 +184,7 @@ impl GpuEngine {
         if let Some(snapshot) = snapshot {
             solver.restore(snapshot)?;
         }
-        let slot =
-            Slot { solver, orders: VecDeque::new(), outcomes: Vec::new(), encoded: false, failed: false };
+        let slot = Slot { solver, orders: VecDeque::new(), outcomes: Vec::new(), encoded: false, failed: false };
         let shared = SharedGpu(Arc::new(Mutex::new(slot)));
         Ok(Self { shared, device: device.clone() })
     }

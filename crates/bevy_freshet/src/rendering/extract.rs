@@ -64,9 +64,8 @@ pub(crate) fn extract_fluids(
         let field = Field::from(coloring.field);
         let (low, high) = coloring.range.unwrap_or_else(|| expected_range(field, plan));
         let span = if high == low || !(high - low).is_finite() { 1.0 } else { high - low };
-        let gradient = std::array::from_fn(|i| {
-            coloring.gradient.color(i as f32 / (GRADIENT_COLORS - 1) as f32).to_vec4()
-        });
+        let gradient =
+            std::array::from_fn(|i| coloring.gradient.color(i as f32 / (GRADIENT_COLORS - 1) as f32).to_vec4());
         let lag = if appearance.interpolate && state.tick > 0 {
             fixed.timestep().as_secs_f32() * (1.0 - fixed.overstep_fraction().clamp(0.0, 1.0))
         } else {

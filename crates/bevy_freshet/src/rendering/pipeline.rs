@@ -1,10 +1,10 @@
 //! Layouts, and one pipeline for each kind of view.
 
+use bevy::camera::CompositingSpace;
 use bevy::core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
 use bevy::core_pipeline::tonemapping::{
     DebandDither, Tonemapping, TonemappingLuts, get_lut_bind_group_layout_entries, get_lut_bindings,
 };
-use bevy::camera::CompositingSpace;
 use bevy::prelude::*;
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::render_asset::RenderAssets;
@@ -184,8 +184,7 @@ pub(crate) fn prepare_view_bind_groups(
     let Some(view) = uniforms.uniforms.binding() else { return };
     let layout = cache.get_bind_group_layout(&layouts.view);
     for (entity, tonemapping) in &views {
-        let (texture, sampler) =
-            get_lut_bindings(&images, &luts, tonemapping.unwrap_or(&Tonemapping::None), &fallback);
+        let (texture, sampler) = get_lut_bindings(&images, &luts, tonemapping.unwrap_or(&Tonemapping::None), &fallback);
         let entries = BindGroupEntries::sequential((view.clone(), texture, sampler));
         let bind_group = device.create_bind_group("freshet:bind_group:impostor_view", &layout, &entries);
         commands.entity(entity).insert(ImpostorViewBindGroup(bind_group));

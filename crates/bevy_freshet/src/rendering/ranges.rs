@@ -11,7 +11,8 @@ pub(crate) fn expected_range(field: Field, plan: &Plan) -> (f32, f32) {
         Field::Id => (0.0, 1.0),
         Field::Position => {
             let heights = plan.boundary.positions.iter().map(|position| position.y);
-            let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
+            let (low, high) =
+                heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
             if low < high { (low, high) } else { (0.0, 1.0) }
         }
         // Few particles are as fast as the fastest.

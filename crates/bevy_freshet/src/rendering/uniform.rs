@@ -56,6 +56,7 @@ pub(crate) fn impostor_shader() -> Shader {
         .map(|field| format!("const FIELD_{}: u32 = {}u;\n", field.name().to_uppercase(), field_number(*field)))
         .collect();
     let file = freshet_shaders::render::IMPOSTOR;
-    let declarations = format!("const GRADIENT_COLORS: u32 = {GRADIENT_COLORS}u;\n{fields}{}{STRUCT}", ParticleRecord::declaration());
+    let declarations =
+        format!("const GRADIENT_COLORS: u32 = {GRADIENT_COLORS}u;\n{fields}{}{STRUCT}", ParticleRecord::declaration());
     Shader::from_wgsl(format!("{declarations}{}", file.source), format!("freshet/{}", file.path))
 }

@@ -20,12 +20,13 @@ pub(crate) fn plan_without_the_wrong(
 ) -> Option<Plan> {
     loop {
         let mut scene = recipe.scene();
-        scene.bodies = recipe.bodies.iter().filter_map(|(entity, _)| Some(sources.body(*entity)?.body.clone())).collect();
+        scene.bodies =
+            recipe.bodies.iter().filter_map(|(entity, _)| Some(sources.body(*entity)?.body.clone())).collect();
         let error = match plan(scene, state.plan.as_ref()) {
             Ok(plan) => return Some(plan),
             Err(error) => error,
         };
-        let (culprit, message) = explain(&error);
+        let (culprit, message) = explain(&error, recipe);
         let problem = match culprit {
             Some(("volumes", index)) if index < recipe.fresh.len() => {
                 let entity = recipe.fresh.remove(index).entity;
@@ -69,13 +70,17 @@ fn plan(mut scene: FluidScene, before: Option<&Plan>) -> Result<Plan, SceneError
 }
 
 /// What is at fault (a list of the scene and the place in it), and the error in the words of the components.
-fn explain(error: &SceneError) -> (Option<(&'static str, usize)>, String) {
+fn explain(error: &SceneError, recipe: &Recipe) -> (Option<(&'static str, usize)>, String) {
     match error {
         SceneError::Invalid(invalid) => {
             let (culprit, field) = locate(&invalid.field);
             let field = match (culprit, field.as_str()) {
-                (Some(("boundaries", _)), "shape.half_extents") => "half of the size".to_owned(),
-                (Some(("volumes", _)), "shape.half_extents") => "shape.half_size".to_owned(),
+                (Some(("boundaries", index)), "shape.half_extents")
+                    if recipe.walls.get(index).is_some_and(|wall| wall.component == "FluidContainer") =>
+                {
+                    "half of the size".to_owned()
+                }
+                (Some(_), "shape.half_extents") => "shape.half_size".to_owned(),
                 (_, "resolution") => "spacing".to_owned(),
                 (_, "settings.max_substeps" | "settings.budget_milliseconds" | "settings.max_particles") => {
                     field.replacen("settings.", "", 1)

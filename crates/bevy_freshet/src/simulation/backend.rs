@@ -48,7 +48,8 @@ impl Hardware<'_> {
             return Err(SolverError::Unsupported {
                 backend: "gpu",
                 what: "an app without a render device".to_owned(),
-                reason: "Bevy's RenderPlugin makes one, if it finds an adapter; otherwise use FluidBackend::Cpu".to_owned(),
+                reason: "Bevy's RenderPlugin makes one, if it finds an adapter; otherwise use FluidBackend::Cpu"
+                    .to_owned(),
             });
         };
         GpuEngine::start(device, queue, plan, snapshot).map(Engine::Gpu)

@@ -96,7 +96,10 @@ impl Sources<'_, '_> {
             let done = poured.is_some_and(|poured| {
                 poured.domain == domain && !all && poured.refused.as_ref().is_none_or(|refused| refused == volume)
             });
-            if usable && !done && let Some(pose) = gather.pose(entity, "FluidVolume") {
+            if usable
+                && !done
+                && let Some(pose) = gather.pose(entity, "FluidVolume")
+            {
                 fresh.push(FreshVolume { entity, volume: to_volume(volume, pose, to_domain) });
             }
         }
@@ -124,8 +127,12 @@ impl Sources<'_, '_> {
         }
         // Queries follow archetypes; sorted, the same scene is the same however it was put together.
         walls.sort_by_key(|wall| wall.entity);
-        let mut bodies: Vec<_> =
-            self.bodies.iter().filter(|item| belongs(item.2)).map(|(entity, samples, _)| (entity, samples.version)).collect();
+        let mut bodies: Vec<_> = self
+            .bodies
+            .iter()
+            .filter(|item| belongs(item.2))
+            .map(|(entity, samples, _)| (entity, samples.version))
+            .collect();
         bodies.sort_by_key(|body| body.0);
 
         let material = gather.material.map_or_else(Material::water, |(_, material)| material);
@@ -186,8 +193,15 @@ fn to_volume(volume: &FluidVolume, pose: Isometry3d, to_domain: Isometry3d) -> V
         FluidShape::Cuboid { half_size } => Shape::Box { half_extents: half_size },
         FluidShape::Sphere { radius } => Shape::Sphere { radius },
     };
-    let velocity = to_domain.rotation * volume.velocity;
-    Volume { shape, center: pose.translation.into(), rotation: pose.rotation, velocity, hydrostatic: volume.hydrostatic }
+    // A rotation would make not-a-number of infinity, and the message would be wrong.
+    let velocity = if volume.velocity.is_finite() { to_domain.rotation * volume.velocity } else { volume.velocity };
+    Volume {
+        shape,
+        center: pose.translation.into(),
+        rotation: pose.rotation,
+        velocity,
+        hydrostatic: volume.hydrostatic,
+    }
 }
 
 /// An emitter at a pose in the domain's frame; it flows along its forward axis, -z.

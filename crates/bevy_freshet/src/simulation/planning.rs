@@ -42,7 +42,8 @@ pub(crate) fn plan_domains(
         let mut recipe = sources.recipe(entity, domain, (frame, gravity), (count == 1, false), &mut current);
         let backend = hardware.choose(domain.backend);
 
-        let has_fluid = state.engine.is_some() || state.stopped || !recipe.fresh.is_empty() || !recipe.sources.is_empty();
+        let has_fluid =
+            state.engine.is_some() || state.stopped || !recipe.fresh.is_empty() || !recipe.sources.is_empty();
         let is_served = state.recipe.as_ref().is_some_and(|planned| recipe.is_served_by(planned))
             && state.backend.is_none_or(|running| running == backend);
         if has_fluid && !is_served {

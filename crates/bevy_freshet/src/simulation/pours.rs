@@ -129,7 +129,11 @@ pub(crate) fn remove_particles(
 }
 
 /// A domain takes its particles with it; the next one starts from all volumes.
-pub(crate) fn forget_domain(removed: On<Remove, FluidDomain>, poured: Query<(Entity, &Poured)>, mut commands: Commands) {
+pub(crate) fn forget_domain(
+    removed: On<Remove, FluidDomain>,
+    poured: Query<(Entity, &Poured)>,
+    mut commands: Commands,
+) {
     for (entity, _) in poured.iter().filter(|(_, poured)| poured.domain == removed.entity) {
         commands.entity(entity).try_remove::<Poured>();
     }

@@ -51,6 +51,7 @@ pub(crate) fn send_ticks(
         engine.send(Order::Tick(StepInput { tick: state.tick, duration, bodies, commands }));
         state.sent.push_back(SentTick { tick: state.tick, bodies: state.body_entities.clone() });
         state.tick += 1;
+        stats.ticks_in_flight = state.sent.len() as u64;
         if state.mode == FluidMode::Lockstep {
             wait_for_all(entity, state, &mut stats);
         }

@@ -197,13 +197,7 @@ fn add_viscous_fluid<S: Simd, K: SimdKernel>(
 
 /// The same without viscosity.
 #[inline(always)]
-fn add_fluid<S: Simd, K: SimdKernel>(
-    simd: S,
-    pairs: Pairs<S>,
-    own: Own,
-    all: &Packed<4>,
-    sums: &mut [[S::f32s; 3]],
-) {
+fn add_fluid<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: &Packed<4>, sums: &mut [[S::f32s; 3]]) {
     let mut first = 0;
     while first < all.len() {
         let [x, y, z, term] = all.lanes::<S>(first);
@@ -219,13 +213,7 @@ fn add_fluid<S: Simd, K: SimdKernel>(
 
 /// `-rho0 A/(G H^5) P_a sum_k V_k f'(q)/q x_ak` over walls or bodies, for each of a cell's particles.
 #[inline(always)]
-fn add_samples<S: Simd, K: SimdKernel>(
-    simd: S,
-    pairs: Pairs<S>,
-    own: Own,
-    all: &Packed<4>,
-    sums: &mut [[S::f32s; 3]],
-) {
+fn add_samples<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: &Packed<4>, sums: &mut [[S::f32s; 3]]) {
     let mut first = 0;
     while first < all.len() {
         let [x, y, z, volume] = all.lanes::<S>(first);

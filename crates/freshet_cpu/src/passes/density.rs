@@ -107,7 +107,13 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
 
 /// `m A/(S H^3) sum_b f(q_ab)` over the fluid, for each of a cell's particles.
 #[inline(always)]
-fn add_fluid<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: [&[f32]; 3], all: &Packed<3>, sums: &mut [S::f32s]) {
+fn add_fluid<S: Simd, K: SimdKernel>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: [&[f32]; 3],
+    all: &Packed<3>,
+    sums: &mut [S::f32s],
+) {
     let mut first = 0;
     while first < all.len() {
         let other = all.lanes::<S>(first);
@@ -121,7 +127,13 @@ fn add_fluid<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: [&[f32]; 3],
 
 /// `rho0 A/(S H^3) sum_k V_k f(q_ak)` over walls or bodies, for each of a cell's particles.
 #[inline(always)]
-fn add_samples<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: [&[f32]; 3], all: &Packed<4>, sums: &mut [S::f32s]) {
+fn add_samples<S: Simd, K: SimdKernel>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: [&[f32]; 3],
+    all: &Packed<4>,
+    sums: &mut [S::f32s],
+) {
     let mut first = 0;
     while first < all.len() {
         let [ox, oy, oz, volume] = all.lanes::<S>(first);

@@ -164,8 +164,9 @@ impl Sorter {
         let Particles { id, position, velocity, life, .. } = to;
         let [px, py, pz] = position;
         let [vx, vy, vz] = velocity;
-        let mut parts: Vec<_> =
-            [px, py, pz, vx, vy, vz, life].map(|values| split(&mut values[..live + PADDING], &self.chunks).into_iter()).into();
+        let mut parts: Vec<_> = [px, py, pz, vx, vy, vz, life]
+            .map(|values| split(&mut values[..live + PADDING], &self.chunks).into_iter())
+            .into();
         let ids = split(id, &self.chunks);
         let mut tasks = Vec::with_capacity(ids.len());
         for (chunk, ids) in self.chunks.iter().zip(ids) {
@@ -183,8 +184,11 @@ impl Sorter {
         ];
         workers.map(tasks, |(chunk, ids, mut reals)| {
             let base = chunk.particles.start;
-            let mut sorted: Vec<(u32, u32)> =
-                order[chunk.particles].iter().map(|slot| slot.load(Relaxed)).map(|i| (from.id[i as usize], i)).collect();
+            let mut sorted: Vec<(u32, u32)> = order[chunk.particles]
+                .iter()
+                .map(|slot| slot.load(Relaxed))
+                .map(|i| (from.id[i as usize], i))
+                .collect();
             for cell in chunk.cells {
                 sort_short(&mut sorted[starts[cell] as usize - base..starts[cell + 1] as usize - base]);
             }
@@ -254,7 +258,10 @@ mod tests {
             assert_eq!(dropped, Dropped::default());
             assert_eq!(particles.len, 5000);
             for (i, &(cell, id, position, velocity)) in expected.iter().enumerate() {
-                assert_eq!((particles.id[i], particles.position_of(i), particles.velocity_of(i)), (id, position, velocity));
+                assert_eq!(
+                    (particles.id[i], particles.position_of(i), particles.velocity_of(i)),
+                    (id, position, velocity)
+                );
                 let range = sorter.starts[cell as usize]..sorter.starts[cell as usize + 1];
                 assert!(range.contains(&(i as u32)));
             }
@@ -273,8 +280,7 @@ mod tests {
         particles.position[0][99] = 1e9;
         let gone = [3, 40, 7, 8, 99].map(|i: usize| particles.id[i]);
         let bounds = [Vec3::splat(-100.0), Vec3::splat(100.0)];
-        let dropped =
-            Sorter::default().sort(&workers, &grid, bounds, &mut particles, &mut Particles::default());
+        let dropped = Sorter::default().sort(&workers, &grid, bounds, &mut particles, &mut Particles::default());
         assert_eq!(dropped, Dropped { retired: 2, removed: 3 });
         assert_eq!(particles.len, 95);
         assert!(particles.id.iter().all(|id| !gone.contains(id)));

@@ -36,7 +36,7 @@ pub enum Binding {
     SortedVelocities,
     /// Density and `p / rho^2`.
     Densities,
-    /// Accelerations.
+    /// [`AccelerationRecord`](records::AccelerationRecord).
     Accelerations,
     /// The particle in each slot, before ordering by id.
     Slots,
@@ -151,7 +151,8 @@ impl Binding {
             Binding::SortedPositions => "array<PositionRecord>",
             Binding::SortedVelocities => "array<VelocityRecord>",
             Binding::Densities => "array<vec2<f32>>",
-            Binding::Accelerations | Binding::Samples => "array<vec4<f32>>",
+            Binding::Accelerations => "array<AccelerationRecord>",
+            Binding::Samples => "array<vec4<f32>>",
             Binding::CellCounts => "array<atomic<u32>>",
             Binding::Bodies => "array<BodyRecord>",
             Binding::BodyInputs => "array<BodyInputRecord>",
@@ -193,7 +194,11 @@ fn pressure_term(i: u32) -> f32 { return densities[i].y; }
 fn density_and_pressure_term(i: u32) -> vec2<f32> { return densities[i]; }
 "
             }
-            Binding::Accelerations => "fn acceleration(i: u32) -> vec3<f32> { return accelerations[i].xyz; }\n",
+            Binding::Accelerations => {
+                "fn acceleration(i: u32) -> vec3<f32> { return accelerations[i].acceleration; }
+fn hits_of_own_row(i: u32) -> u32 { return accelerations[i].own_row; }
+"
+            }
             Binding::Slots => "fn slot(i: u32) -> u32 { return slots[i]; }\n",
             Binding::CellCounts => "fn cell_count(i: u32) -> u32 { return atomicLoad(&cell_counts[i]); }\n",
             Binding::CellStarts => "fn cell_start(i: u32) -> u32 { return cell_starts[i]; }\n",
@@ -274,7 +279,9 @@ fn set_remaining_life(i: u32, life: f32) { particles[i].remaining_life = life; }
                 "fn set_density(i: u32, value: f32, term: f32) { densities[i] = vec2<f32>(value, term); }\n"
             }
             Binding::Accelerations => {
-                "fn set_acceleration(i: u32, a: vec3<f32>) { accelerations[i] = vec4<f32>(a, 0.0); }\n"
+                "fn set_acceleration(i: u32, a: vec3<f32>) { accelerations[i].acceleration = a; }
+fn set_hits_of_own_row(i: u32, value: u32) { accelerations[i].own_row = value; }
+"
             }
             Binding::Slots => "fn set_slot(i: u32, particle: u32) { slots[i] = particle; }\n",
             Binding::CellCounts => {

@@ -6,8 +6,8 @@ mod wgsl;
 
 pub use binding::{Access, Binding};
 pub use records::{
-    BodyInputRecord, BodyRecord, BodySampleRecord, CommandRecord, ExchangeRecord, Parameters, ParticleRecord,
-    PositionRecord, SampleLoadRecord, SpawnRecord, StepControl, TickRecord, VelocityRecord,
+    AccelerationRecord, BodyInputRecord, BodyRecord, BodySampleRecord, CommandRecord, ExchangeRecord, Parameters,
+    ParticleRecord, PositionRecord, SampleLoadRecord, SpawnRecord, StepControl, TickRecord, VelocityRecord,
 };
 pub use wgsl::{Atomic, WgslStruct, WgslType};
 

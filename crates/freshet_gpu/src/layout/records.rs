@@ -197,6 +197,14 @@ wgsl_struct! {
         remaining_life: f32,
     }
 
+    /// What moves a particle.
+    pub struct AccelerationRecord {
+        /// m/s2.
+        acceleration: Vec3,
+        /// Scratch: which candidates of its own row are neighbours, see `library/hits.wgsl`.
+        own_row: u32,
+    }
+
     /// A particle to spawn.
     pub struct SpawnRecord {
         /// m.

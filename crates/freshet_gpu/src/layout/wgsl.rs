@@ -61,7 +61,7 @@ pub struct Member {
     pub size: usize,
 }
 
-/// A struct declared by [`wgsl_struct`].
+/// A struct declared for both languages at once.
 pub trait WgslStruct: Pod {
     /// Its name, the same in both languages.
     const NAME: &'static str;

@@ -137,7 +137,8 @@ fn what_the_engine_has_not_heard_of_is_added_until_it_has() {
     let step = |solver: &mut freshet_gpu::GpuSolver, tick: u64, body: BodyInput| {
         solver.step(&StepInput { tick, duration, bodies: vec![body], ..Default::default() }).unwrap().bodies[0]
     };
-    // The engine forecasts nothing and hears nothing: tick 1 starts from where tick 0 began, plus all of J_0.
+    // The engine forecasts nothing and hears nothing: tick 1 starts from where tick 0 began, plus all of J_0, which displaced
+    // by half in its own tick.
     let deaf = BodyInput { corrected_before: 0, ..body };
     let first = step(&mut solver, 0, deaf);
     let exchange = solver.snapshot().unwrap().exchanges[0][0];
@@ -154,8 +155,8 @@ fn what_the_engine_has_not_heard_of_is_added_until_it_has() {
     heard.exchanges[0][0].error = Impulse::default();
     solver.restore(&heard).unwrap();
     let corrected = BodyInput {
-        position: body.position + first.linear * body.inverse_mass * duration,
-        rotation: Quat::from_scaled_axis(body.inverse_inertia * first.angular * duration),
+        position: body.position + first.linear * body.inverse_mass * (0.5 * duration),
+        rotation: Quat::from_scaled_axis(body.inverse_inertia * first.angular * (0.5 * duration)),
         linear_velocity: first.linear * body.inverse_mass,
         angular_velocity: body.inverse_inertia * first.angular,
         corrected_before: 1,

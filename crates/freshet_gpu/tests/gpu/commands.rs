@@ -6,7 +6,8 @@ use crate::common::{dam_break, device, solver, tick, tick_with};
 
 fn cloud(count: usize, corner: Vec3, lifetime: f32) -> Command {
     let edge = (count as f32).cbrt().ceil() as usize;
-    let place = |i: usize| corner + 0.05 * Vec3::new((i % edge) as f32, (i / edge % edge) as f32, (i / edge / edge) as f32);
+    let place =
+        |i: usize| corner + 0.05 * Vec3::new((i % edge) as f32, (i / edge % edge) as f32, (i / edge / edge) as f32);
     Command::Spawn(NewParticles {
         positions: (0..count).map(place).collect(),
         velocities: vec![Vec3::ZERO; count],
@@ -106,7 +107,7 @@ fn memory_grows_with_spawns_and_shrinks_after_removal() {
         assert_eq!((report.particles, report.refused), (total, 0));
     }
     let large = solver.schedule().capacity;
-    assert!(large >= 6000 && large < 16_000 && large > small, "{small} {large}");
+    assert!((6000..16_000).contains(&large) && large > small, "{small} {large}");
     let snapshot = solver.snapshot().unwrap();
     assert!(snapshot.ids.iter().copied().eq(0..6000), "growing keeps every particle");
 

@@ -60,7 +60,8 @@ pub fn place(solver: &mut GpuSolver, ids: &[u32], positions: &[Vec3], velocities
 
 /// Numbers that look random, 0 to 1, the same in every run.
 pub fn random(index: usize, salt: usize) -> f32 {
-    let mut bits = (index as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (salt as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
+    let mut bits =
+        (index as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (salt as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
     bits ^= bits >> 31;
     bits = bits.wrapping_mul(0xBF58_476D_1CE4_E5B9);
     bits ^= bits >> 29;

@@ -6,7 +6,11 @@ use freshet_gpu::GpuOptions;
 use crate::common::{dam_break, solver_with, tick};
 
 fn state_after(workgroup_size: u32, substeps: u32) -> Snapshot {
-    let mut solver = solver_with(&dam_break(0.05), GpuOptions { workgroup_size, ..Default::default() });
+    state_with(GpuOptions { workgroup_size, ..Default::default() }, substeps)
+}
+
+fn state_with(options: GpuOptions, substeps: u32) -> Snapshot {
+    let mut solver = solver_with(&dam_break(0.05), options);
     let (mut made, mut number) = (0, 0);
     while made < substeps {
         let report = solver.step(&tick(number, 1.0 / 60.0)).unwrap();
@@ -31,4 +35,11 @@ fn bits_do_not_depend_on_the_workgroup_size() {
 #[test]
 fn a_second_run_gives_the_same_bits() {
     assert!(state_after(64, 50) == state_after(64, 50));
+}
+
+#[test]
+fn dispatches_of_several_rows_give_the_same_bits() {
+    // As with more than four million particles: rows of 65535 workgroups, here of three.
+    let options = GpuOptions { patch: Some(("#{MAX_WORKGROUPS}u", "3u")), ..Default::default() };
+    assert!(state_with(options, 10) == state_after(64, 10));
 }

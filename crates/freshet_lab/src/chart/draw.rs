@@ -109,7 +109,7 @@ fn draw_legend(area: &Area<'_>, chart: &Chart) -> Drawn {
         match series.mark {
             Mark::Line(width) => area.draw(&PathElement::new(ends.to_vec(), colour.stroke_width(width)))?,
             Mark::Dashes(width) => {
-                area.draw(&DashedPathElement::new(ends.to_vec().into_iter(), 9, 6, colour.stroke_width(width)))?;
+                area.draw(&DashedPathElement::new(ends, 9, 6, colour.stroke_width(width)))?;
             }
             Mark::Circles(radius) => area.draw(&Circle::new((x + 17, y), radius, colour.stroke_width(2)))?,
         }

