@@ -24,8 +24,8 @@ impl Orbit {
         let (low, high) = setup.bounds;
         let size = high - low;
         // A little below the middle, because fluid lies at the bottom; steep enough that no horizon distracts.
-        let target = (low + high) / 2.0 - Vec3::Y * 0.16 * size.y;
-        Self { target, distance: 1.06 * size.length(), yaw: 0.42, pitch: 0.45 }
+        let target = (low + high) / 2.0 - Vec3::Y * 0.05 * size.y;
+        Self { target, distance: 1.12 * size.length(), yaw: 0.42, pitch: 0.44 }
     }
 
     /// The pose.

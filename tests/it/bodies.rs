@@ -88,3 +88,36 @@ fn a_container_is_a_collider() {
     let place = test.world().get::<Transform>(ball).expect("a body has a pose").translation;
     assert!((place.y - 0.1).abs() < 0.02 && place.x < 0.41, "it lies on the floor of the box, not at {place}");
 }
+
+/// A ball on the ground is hit by a collapsing column, is pressed against the wall and thrown about. Returns the largest speed
+/// of a particle, m/s.
+fn fastest_of_a_hit(choice: (FluidBackend, FluidMode), spacing: f32) -> f32 {
+    let mut test = TestApp::new();
+    let domain = test.spawn(FluidDomain::with_spacing(spacing).on(choice.0).in_mode(choice.1));
+    test.spawn((FluidContainer::open_box(1.6, 1.2, 0.6), Transform::from_xyz(0.8, 0.6, 0.3)));
+    test.spawn((FluidVolume::from(Cuboid::new(0.6, 0.8, 0.6)), Transform::from_xyz(0.3, 0.4, 0.3)));
+    test.spawn((
+        RigidBody::Dynamic,
+        Collider::ball(RADIUS),
+        ColliderMassProperties::Density(400.0),
+        FluidBody::default(),
+        Transform::from_xyz(1.1, RADIUS + 0.01, 0.3),
+    ));
+    let mut fastest = 0f32;
+    for _ in 0..60 {
+        test.tick(1);
+        fastest = fastest.max(test.stats(domain).max_speed);
+    }
+    test.expect_no_complaints();
+    fastest
+}
+
+#[test]
+fn a_ball_hit_by_a_wave_does_not_blow_it_up() {
+    for choice in [ALL[0], ALL[1]] {
+        for spacing in [0.1, 0.06] {
+            let fastest = fastest_of_a_hit(choice, spacing);
+            println!("{choice:?} {spacing}: {fastest}");
+        }
+    }
+}

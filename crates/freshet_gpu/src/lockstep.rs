@@ -23,6 +23,10 @@ impl FluidSolver for GpuSolver {
 
     /// Encodes the predicted substeps, waits, and encodes more until the tick is covered.
     fn step(&mut self, input: &StepInput) -> Result<StepReport, SolverError> {
+        if !self.prepared.is_empty() {
+            // Ticks of the pipelined mode that were prepared and not encoded come first.
+            self.submit(|solver, encoder| solver.encode(encoder))?;
+        }
         self.finish_ticks()?;
         let started = Instant::now();
         let queue = self.queue.clone();

@@ -68,6 +68,8 @@ pub struct GpuSolver {
     pub(crate) timer: Option<Timer>,
     pub(crate) readback: Readback<TickMemo>,
     pub(crate) prepared: VecDeque<PreparedTick>,
+    /// Reports that arrived while something else was waited for; the next `collect` gives them.
+    pub(crate) late: Vec<StepReport>,
     /// Particles spawned by each tick whose report has not arrived.
     pub(crate) spawning: VecDeque<u32>,
     pub(crate) known: Known,
@@ -119,6 +121,7 @@ impl GpuSolver {
             groups: Vec::new(),
             timer,
             prepared: VecDeque::new(),
+            late: Vec::new(),
             spawning: VecDeque::new(),
             known: Known::default(),
             generation: 0,
@@ -175,8 +178,11 @@ impl GpuSolver {
     /// # Errors
     /// If the device failed.
     pub fn collect(&mut self, device: &wgpu::Device) -> Result<Vec<StepReport>, SolverError> {
-        let arrived = self.readback.collect(device)?;
-        arrived.into_iter().map(|(about, bytes)| self.account(&about, &bytes)).collect()
+        let mut reports = std::mem::take(&mut self.late);
+        for (about, bytes) in self.readback.collect(device)? {
+            reports.push(self.account(&about, &bytes)?);
+        }
+        Ok(reports)
     }
 
     /// How often the CPU waited for the GPU: never, in the pipelined mode, unless more than

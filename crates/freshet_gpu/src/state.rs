@@ -13,10 +13,11 @@ use crate::layout::{
 use crate::solver::{GpuSolver, halves};
 
 impl GpuSolver {
-    /// Waits for the ticks in flight; their reports are taken into account and dropped.
+    /// Waits for the ticks in flight; the next `collect` gives their reports.
     pub(crate) fn finish_ticks(&mut self) -> Result<(), SolverError> {
         for (about, bytes) in self.readback.finish(&self.device)? {
-            self.account(&about, &bytes)?;
+            let report = self.account(&about, &bytes)?;
+            self.late.push(report);
         }
         Ok(())
     }
@@ -101,6 +102,7 @@ impl GpuSolver {
         }
         self.finish_ticks()?;
         self.prepared.clear();
+        self.late.clear();
         self.spawning.clear();
         if count > self.buffers.capacity {
             let capacity = count.next_power_of_two().min(self.plan.max_particles);

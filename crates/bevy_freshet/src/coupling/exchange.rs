@@ -58,7 +58,29 @@ pub(crate) fn begin_tick(
                 Some(body.begin_tick(state.tick, &view))
             };
             let input = match begin() {
-                Some(Ok(input)) => to_domain(input, state.frame),
+                Some(Ok(mut input)) => {
+                    let x = std::env::var("FRESHET_X").unwrap_or_default();
+                    if x.contains('1') && !input.free {
+                        input.corrected_before = state.tick;
+                    }
+                    if x.contains('2') {
+                        input.corrected_before = state.tick;
+                    }
+                    if x.contains('3') {
+                        input.free = false;
+                    }
+                    if x.contains('4') {
+                        eprintln!(
+                            "{} free {} v {} F {} known {}",
+                            state.tick,
+                            input.free,
+                            input.linear_velocity,
+                            input.forecast.linear,
+                            input.corrected_before
+                        );
+                    }
+                    to_domain(input, state.frame)
+                }
                 Some(Err(error)) => {
                     fail(&mut commands, entity, error);
                     coupling.bodies.remove(&entity);

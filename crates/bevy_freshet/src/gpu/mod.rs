@@ -26,8 +26,8 @@ impl Plugin for GpuDriverPlugin {
                 // The cameras of this frame draw the particles of these ticks; within the set, so that Bevy's submit takes
                 // the commands along.
                 encode_ticks.in_set(RenderGraphSystems::Render).before(camera_driver),
-                // Submitted, so results can arrive.
-                collect_reports.in_set(RenderGraphSystems::Finish).after(RenderGraphSystems::Submit),
+                // Finish comes after the submit, so results can arrive.
+                collect_reports.in_set(RenderGraphSystems::Finish),
             ),
         );
     }
@@ -42,7 +42,7 @@ fn extract_solvers(mut driven: ResMut<DrivenSolvers>, domains: Extract<Query<(En
         })
         .collect();
     // The same order of work in every frame.
-    solvers.sort_by_key(|(entity, _)| *entity);
+    solvers.sort_by_key(|(entity, _)| entity.index_u32());
     driven.0.clear();
     driven.0.extend(solvers.into_iter().map(|(_, solver)| solver));
 }

@@ -93,7 +93,7 @@ pub(crate) fn extract_sun(
 ) {
     *sun = ExtractedSun { towards: Vec3::Y, ..default() };
     // The first spawned, so that it stays the same when archetypes change.
-    let first = lights.iter().filter(|(.., visibility)| visibility.get()).min_by_key(|(entity, ..)| *entity);
+    let first = lights.iter().filter(|(.., visibility)| visibility.get()).min_by_key(|(entity, ..)| entity.index_u32());
     if let Some((_, light, transform, _)) = first {
         sun.towards = transform.back().into();
         sun.light = LinearRgba::from(light.color) * light.illuminance;

@@ -16,7 +16,7 @@ pub(crate) fn expected_range(field: Field, plan: &Plan) -> (f32, f32) {
             if low < high { (low, high) } else { (0.0, 1.0) }
         }
         // Few particles are as fast as the fastest.
-        Field::Velocity | Field::Speed => (0.0, 0.75 * p.expected_speed),
+        Field::Velocity | Field::Speed => (0.0, 0.6 * p.expected_speed),
         Field::Density => (0.97 * p.rest_density, 1.03 * p.rest_density),
         // Twice sqrt(g D) is the expected speed of a column D deep, and rho g D its pressure.
         Field::Pressure => (0.0, p.rest_density * p.expected_speed * p.expected_speed / 4.0),

@@ -38,8 +38,9 @@ pub(crate) struct Sources<'w, 's> {
 pub(crate) fn rigid_frame(transforms: &TransformHelper, entity: Entity) -> Result<Isometry3d, String> {
     let transform = transforms.compute_global_transform(entity).map_err(|error| error.to_string())?;
     let (scale, rotation, translation) = transform.to_scale_rotation_translation();
-    // Written so that not-a-number fails.
-    if !((scale - 1.0).abs().max_element() <= NO_SCALE) || !translation.is_finite() || !rotation.is_finite() {
+    // A comparison with not-a-number is false: it counts as scaled.
+    let unscaled = (scale - 1.0).abs().max_element() <= NO_SCALE;
+    if !unscaled || !translation.is_finite() || !rotation.is_finite() {
         return Err(format!(
             "Transform: scale {scale}, translation {translation} is not allowed; allowed: scale 1, finite numbers"
         ));
@@ -90,7 +91,8 @@ impl Sources<'_, '_> {
 
         let mut fresh = Vec::new();
         let mut volumes: Vec<_> = self.volumes.iter().filter(|item| belongs(item.3)).collect();
-        volumes.sort_by_key(|item| item.0);
+        // What is there already says what the fluid is.
+        volumes.sort_by_key(|item| (item.4.is_none(), item.0.index_u32()));
         for (entity, volume, fluid, _, poured) in volumes {
             let usable = gather.is_of_the_fluid(entity, "FluidVolume", fluid);
             let done = poured.is_some_and(|poured| {
@@ -105,7 +107,7 @@ impl Sources<'_, '_> {
         }
         let mut sources = Vec::new();
         let mut emitters: Vec<_> = self.emitters.iter().filter(|item| belongs(item.3)).collect();
-        emitters.sort_by_key(|item| item.0);
+        emitters.sort_by_key(|item| item.0.index_u32());
         for (entity, emitter, fluid, _) in emitters {
             if gather.is_of_the_fluid(entity, "FluidEmitter", fluid)
                 && let Some(pose) = gather.pose(entity, "FluidEmitter")
@@ -126,14 +128,14 @@ impl Sources<'_, '_> {
             gather.wall(entity, "FluidBoundary", shape, &mut walls);
         }
         // Queries follow archetypes; sorted, the same scene is the same however it was put together.
-        walls.sort_by_key(|wall| wall.entity);
+        walls.sort_by_key(|wall| wall.entity.index_u32());
         let mut bodies: Vec<_> = self
             .bodies
             .iter()
             .filter(|item| belongs(item.2))
             .map(|(entity, samples, _)| (entity, samples.version))
             .collect();
-        bodies.sort_by_key(|body| body.0);
+        bodies.sort_by_key(|body| body.0.index_u32());
 
         let material = gather.material.map_or_else(Material::water, |(_, material)| material);
         let gravity = frame.rotation.inverse() * gravity;

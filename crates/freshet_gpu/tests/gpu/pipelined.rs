@@ -105,3 +105,16 @@ fn preparing_without_collecting_is_refused_at_eight() {
     let error = solver.prepare(&device().queue, &tick(8, 0.001)).unwrap_err();
     assert!(error.to_string().contains("none collected"), "{error}");
 }
+
+#[test]
+fn reading_in_between_loses_no_report() {
+    let mut solver = solver(&dam_break(0.05));
+    submit(&mut solver, &tick(0, 0.004));
+    submit(&mut solver, &tick(1, 0.004));
+    solver.snapshot().unwrap();
+    solver.prepare(&device().queue, &tick(2, 0.004)).unwrap();
+    assert_eq!(solver.step(&tick(3, 0.004)).unwrap().tick, 3);
+    let late = solver.collect(&device().device).unwrap();
+    assert_eq!(late.iter().map(|report| report.tick).collect::<Vec<_>>(), [0, 1, 2]);
+    assert_eq!(solver.snapshot().unwrap().tick, 4);
+}
