@@ -113,11 +113,14 @@ fn fastest_of_a_hit(choice: (FluidBackend, FluidMode), spacing: f32) -> f32 {
 }
 
 #[test]
-fn a_ball_hit_by_a_wave_does_not_blow_it_up() {
+fn a_ball_hit_by_a_wave_does_not_blow_up_the_fluid() {
     for choice in [ALL[0], ALL[1]] {
         for spacing in [0.1, 0.06] {
             let fastest = fastest_of_a_hit(choice, spacing);
             println!("{choice:?} {spacing}: {fastest}");
+            // The wave arrives with 4 m/s; drops squeezed out between ball and wall are a few times as fast (8 to 16 measured).
+            // An impulse that is corrected wrongly shows in hundreds.
+            assert!(fastest < 30.0, "{choice:?} {spacing}: {fastest} m/s");
         }
     }
 }
