@@ -7,9 +7,9 @@ use freshet_core::scene::{Boundary, BoundaryShape, FluidScene, Resolution, Volum
 use crate::arguments::Arguments;
 
 /// Inner size of the tank, m.
-const TANK: Vec3 = Vec3::new(3.0, 1.6, 1.2);
+const TANK: Vec3 = Vec3::new(5.0, 2.4, 2.0);
 /// Size of the column, m.
-const COLUMN: Vec3 = Vec3::new(1.05, 1.2, 1.2);
+const COLUMN: Vec3 = Vec3::new(2.1, 1.4, 2.0);
 
 /// A ball beside the fluid.
 #[derive(Clone, Copy, Debug)]
@@ -65,8 +65,8 @@ impl Setup {
         };
         // Large enough to be sampled at the coarsest.
         let balls = vec![
-            Ball { position: Vec3::new(1.9, 0.19, 0.36), radius: 0.18, density: 300.0 },
-            Ball { position: Vec3::new(2.35, 0.16, 0.85), radius: 0.15, density: 600.0 },
+            Ball { position: Vec3::new(3.2, 0.31, 0.6), radius: 0.3, density: 300.0 },
+            Ball { position: Vec3::new(3.9, 0.26, 1.4), radius: 0.25, density: 600.0 },
         ];
         Self::of(scene, balls, true)
     }

@@ -1,5 +1,6 @@
-// a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k P_a F x_ak ]
+// a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k (P_a + Pi_ak) F x_ak ]
 // Pressure form: Monaghan 1992, eq. 3.3. Pi_ab: Monaghan 1992, eq. 4.1, with beta = 0, for all pairs (Monaghan 2005).
+// Pi_ak is that of a particle at rest with the density of a, for samples of viscous faces only.
 // The b come from the bits that the density pass left, see library/hits.wgsl.
 
 #import freshet::bindings as fields
@@ -52,11 +53,23 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
 }
 
 #ifdef SAMPLES
-// V_k f'(q) / q x_ak
+// V_k P_a f'(q) / q x_ak
 fn from_sample(own: Own, k: u32) -> vec3<f32> {
-    let sample = fields::sample(k);
-    let x = own.position - sample.xyz;
-    return (sample.w * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+    let x = own.position - fields::sample_at(k);
+    let factor = fields::sample_weight(k) * own.pressure_term;
+    return (factor * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+}
+#endif
+
+#ifdef VISCOUS_WALLS
+// V_k (P_a + Pi_ak) f'(q) / q x_ak
+fn from_wall(own: Own, k: u32) -> vec3<f32> {
+    let x = own.position - fields::sample_at(k);
+    let r_squared = dot(x, x);
+    let approach = fields::sample_viscous_weight(k) * dot(own.velocity, x);
+    let drag = own.viscosity_scale * approach / ((r_squared + own.viscosity_softening) * (2.0 * own.density));
+    let factor = fields::sample_weight(k) * own.pressure_term - drag;
+    return (factor * kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius)) * x;
 }
 #endif
 
@@ -102,7 +115,11 @@ fn acceleration_of(a: u32) -> vec3<f32> {
 #ifdef WALLS
         let walls = grid::row_of(wall_starts, cells);
         for (var t = 0u; t < walls.count; t++) {
+#ifdef VISCOUS_WALLS
+            samples += from_wall(own, grid::member(walls, t));
+#else
             samples += from_sample(own, grid::member(walls, t));
+#endif
         }
 #endif
 #ifdef BODIES
@@ -114,7 +131,7 @@ fn acceleration_of(a: u32) -> vec3<f32> {
     }
     var result = fields::control.gravity - fields::parameters.fluid_force_scale * fluid;
 #ifdef SAMPLES
-    result -= (fields::parameters.sample_force_scale * own.pressure_term) * samples;
+    result -= fields::parameters.sample_force_scale * samples;
 #endif
     return result;
 }

@@ -15,6 +15,10 @@ fn less(a: vec2<u32>, b: vec2<u32>) -> bool {
     return a.y < b.y || (a.y == b.y && a.x < b.x);
 }
 
+fn at_most(v: vec3<f32>, limit: f32) -> vec3<f32> {
+    return v * min(1.0, limit / max(length(v), 1e-30));
+}
+
 // Bodies at the start of a tick: as their engine knows them, plus what the engine has not heard of yet.
 @compute @workgroup_size(#{WORKGROUP_SIZE})
 fn begin_bodies(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
@@ -23,6 +27,7 @@ fn begin_bodies(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
         return;
     }
     let given = fields::body_input(fields::input.first_body + body);
+    let was_placed = fields::body_is_placed(body);
     fields::start_body(body, given);
     let tick = fields::input.tick;
     var position = given.position;
@@ -46,6 +51,20 @@ fn begin_bodies(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
             }
         }
     }
+    // It starts from where the last tick left it and drifts to its place: what contacts and joints do to a body the solver
+    // learns a tick later, and where it jumped to there would be fluid.
+    var drift = vec3<f32>(0.0);
+    var turn = vec3<f32>(0.0);
+    let away = position - fields::body_position(body);
+    let duration = fields::control.asked;
+    if (was_placed && duration > 0.0 && length(away) <= fields::parameters.body_reach) {
+        let limit = fields::parameters.expected_speed;
+        drift = at_most(away / duration, limit);
+        turn = at_most(rotation::between(fields::body_rotation(body), turning) / duration, limit / fields::parameters.body_reach);
+        position = fields::body_position(body);
+        turning = fields::body_rotation(body);
+    }
+    fields::set_body_drift(body, drift, turn);
     fields::set_body_pose(body, position, turning);
     fields::set_body_velocity(body, linear_velocity, angular_velocity);
     // Remembered from here on as what is given minus what was forecast; the forecast is taken off at once.
@@ -68,7 +87,8 @@ fn body_motion(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     let linear_velocity = fields::body_linear_velocity(body) + dt * push;
     let angular_velocity = fields::body_angular_velocity(body) + dt * turned_by_inertia(body, torque);
     fields::set_body_velocity(body, linear_velocity, angular_velocity);
-    let position = fields::body_position(body) + dt * linear_velocity;
-    fields::set_body_pose(body, position, rotation::turned(fields::body_rotation(body), angular_velocity * dt));
+    let position = fields::body_position(body) + dt * (linear_velocity + fields::body_drift(body));
+    let turn = dt * (angular_velocity + fields::body_turn(body));
+    fields::set_body_pose(body, position, rotation::turned(fields::body_rotation(body), turn));
 }
 #endif

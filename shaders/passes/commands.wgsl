@@ -13,12 +13,18 @@ fn spawn(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     }
     let source = fields::command.first + k;
     let target_index = fields::control.count + k;
+    // How long ago it was where it is said to be; negative if it will be.
+    var age = 0.0;
+    if (fields::command.timed != 0u) {
+        // The ticks whose reports were missing when the command was written, in units of 2^-24 s.
+        age = fields::spawned_age(source) + f32(i32(fields::control.clock - fields::command.clock)) / 16777216.0;
+    }
     fields::set_particle(
         target_index,
-        fields::spawned_position(source),
+        fields::spawned_position(source) + fields::spawned_velocity(source) * age,
         fields::control.next_id + k,
         fields::spawned_velocity(source),
-        fields::spawned_life(source),
+        fields::spawned_life(source) - age,
     );
     fields::set_density(target_index, 0.0, 0.0);
     fields::set_acceleration(target_index, vec3<f32>(0.0));

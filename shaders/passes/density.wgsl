@@ -46,16 +46,18 @@ fn density_of(a: u32) -> f32 {
         let walls = grid::row_of(wall_starts, cells);
         found |= select(0u, hits::SAMPLES, walls.count > 0u);
         for (var t = 0u; t < walls.count; t++) {
-            let wall = fields::sample(grid::member(walls, t));
-            samples += wall.w * kernels::shape(length(position - wall.xyz) * inverse_radius);
+            let wall = grid::member(walls, t);
+            let distance = length(position - fields::sample_at(wall));
+            samples += fields::sample_weight(wall) * kernels::shape(distance * inverse_radius);
         }
 #endif
 #ifdef BODIES
         let bodies = grid::row_of(body_starts, cells);
         found |= select(0u, hits::SAMPLES, bodies.count > 0u);
         for (var t = 0u; t < bodies.count; t++) {
-            let body = fields::sample(grid::member(bodies, t));
-            samples += body.w * kernels::shape(length(position - body.xyz) * inverse_radius);
+            let body = grid::member(bodies, t);
+            let distance = length(position - fields::sample_at(body));
+            samples += fields::sample_weight(body) * kernels::shape(distance * inverse_radius);
         }
 #endif
         if (row == hits::OWN_ROW) {

@@ -7,6 +7,8 @@
 // What the last tick left over is added to what this one asks for. The tick's commands come after this.
 @compute @workgroup_size(1)
 fn begin_tick() {
+    // What the last tick covered, in units of 2^-24 s.
+    fields::control.clock += u32((fields::control.asked - fields::control.remaining) * 16777216.0);
     let carry = min(fields::control.remaining, fields::parameters.longest_tick);
     let asked = fields::input.duration + carry;
     fields::control.asked = asked;
@@ -22,9 +24,9 @@ fn begin_tick() {
     atomicStore(&fields::control.max_ratio, 0u);
     atomicStore(&fields::control.max_speed, 0u);
     atomicStore(&fields::control.max_acceleration, 0u);
-    let going = asked > 0.0;
-    fields::control.going = select(0u, 1u, going);
-    arguments::write_arguments(going);
+    // Even a tick of no length evaluates the stages once, so that fields can be read.
+    fields::control.going = 1u;
+    arguments::write_arguments(true);
     arguments::write_motion_arguments(false);
 }
 #endif
@@ -51,7 +53,7 @@ fn step_control() {
     fields::control.fastest = max_speed;
 #ifdef BODIES
     for (var body = 0u; body < fields::parameters.bodies; body++) {
-        max_speed = max(max_speed, length(fields::body_linear_velocity(body)));
+        max_speed = max(max_speed, length(fields::body_linear_velocity(body) + fields::body_drift(body)));
     }
 #endif
     let substep = choose_substep(fields::control.remaining, max_speed, max_acceleration);

@@ -47,6 +47,7 @@ impl EquationOfState {
     /// Pressure in Pa at `density`, for a fluid of `rest_density`, both in kg/m3 and positive.
     ///
     /// Below rest density all but the ideal gas and Harada's go negative: see [`PressureLaw::clamp_negative`].
+    #[inline]
     pub fn pressure(&self, rest_density: f64, density: f64) -> f64 {
         match *self {
             EquationOfState::IdealGas { stiffness } => f64::from(stiffness) * density,
@@ -56,7 +57,10 @@ impl EquationOfState {
             }
             EquationOfState::Tait { sound_speed, exponent } => {
                 let (c, n) = (f64::from(sound_speed), f64::from(exponent));
-                rest_density * c * c / n * ((density / rest_density).powf(n) - 1.0)
+                let ratio = density / rest_density;
+                // Water's exponent; the general power takes thirty times as long.
+                let power = if exponent == 7.0 { ratio.powi(7) } else { ratio.powf(n) };
+                rest_density * c * c / n * (power - 1.0)
             }
             EquationOfState::Linear { sound_speed } => f64::from(sound_speed).powi(2) * (density - rest_density),
         }
@@ -122,6 +126,7 @@ pub struct PressureLaw {
 
 impl PressureLaw {
     /// Pressure in Pa at `density`, for a fluid of `rest_density`, both in kg/m3 and positive.
+    #[inline]
     pub fn pressure(&self, rest_density: f64, density: f64) -> f64 {
         let pressure = self.equation.pressure(rest_density, density);
         // Not f64::max, which would turn not-a-number into a harmless zero.

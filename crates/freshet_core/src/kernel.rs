@@ -340,7 +340,7 @@ impl Kernel {
     }
 
     /// The spacing used in lattice sums, in metres, and how many nodes the support reaches along an axis.
-    pub(crate) fn lattice_reach(&self, spacing: f32) -> Option<(f64, i32)> {
+    fn lattice_reach(&self, spacing: f32) -> Option<(f64, i32)> {
         let (d, radius) = (f64::from(spacing), f64::from(self.support_radius));
         if d.is_nan() || d <= 0.0 {
             return None;

@@ -191,6 +191,12 @@ impl Parameters {
         remaining / (remaining / limit - 1e-3).ceil().max(1.0)
     }
 
+    /// How far a body may be from where the last tick left it and still drift there instead of jumping, m: twice what lies
+    /// within reach of a sample.
+    pub fn body_reach(&self) -> f32 {
+        4.0 * self.support_radius
+    }
+
     /// The kernel on the support radius.
     pub fn kernel(&self) -> Result<Kernel, InvalidInput> {
         Kernel::new(self.kernel, self.support_radius)
@@ -204,6 +210,8 @@ pub struct PlannedBoundary {
     pub positions: Vec<Vec3>,
     /// Volume weights, m3.
     pub volumes: Vec<f32>,
+    /// Whether the fluid's artificial viscosity acts between it and the sample.
+    pub viscous: Vec<bool>,
 }
 
 /// A body with the weights of its samples.
@@ -259,8 +267,8 @@ impl Plan {
     /// Plans a scene.
     ///
     /// # Errors
-    /// Any value out of range, volumes that overlap, a spacing larger than a volume, too many particles, or a speed of
-    /// sound below ten times the expected speed without [`Settings::allow_compressible`].
+    /// Any value out of range, volumes that overlap or reach out of the bounds, a spacing larger than a volume, too many
+    /// particles, or a speed of sound below ten times the expected speed without [`Settings::allow_compressible`].
     pub fn new(scene: &FluidScene) -> Result<Self, SceneError> {
         scene.validate()?;
         let settings = &scene.settings;
@@ -312,7 +320,10 @@ impl Plan {
             }
         }
         let max_particles = max_particles(scene, positions.len(), spacing)?;
-        let (bounds_min, bounds_max) = settings.bounds.unwrap_or_else(|| extent.grown(4.0));
+        let (bounds_min, bounds_max) = match settings.bounds {
+            Some(bounds) => check_bounds(bounds, &positions)?,
+            None => extent.grown(4.0),
+        };
         let parameters = Parameters {
             spacing,
             support_radius,
@@ -361,6 +372,21 @@ impl Plan {
     /// Whether the plan has a stage.
     pub fn has(&self, kind: StageKind) -> bool {
         self.stages.iter().any(|stage| stage.kind == kind)
+    }
+
+    /// For each body, its index among the bodies of an earlier plan: the one of the same name, or of several with the same
+    /// name the one as far along. None for a body that is new.
+    pub fn bodies_of(&self, earlier: &Plan) -> Vec<Option<usize>> {
+        let namesakes = |plan: &Plan, name: &str| -> Vec<usize> {
+            plan.bodies.iter().enumerate().filter(|(_, body)| body.name == name).map(|(index, _)| index).collect()
+        };
+        (0..self.bodies.len())
+            .map(|index| {
+                let name = &self.bodies[index].name;
+                let rank = namesakes(self, name).iter().position(|&other| other == index)?;
+                namesakes(earlier, name).get(rank).copied()
+            })
+            .collect()
     }
 
     /// Samples of all bodies together.
@@ -558,6 +584,7 @@ fn sample_boundaries(boundaries: &[Boundary], layer: &WallLayer) -> Result<Plann
     for (index, boundary) in boundaries.iter().enumerate() {
         let samples =
             sample_boundary(boundary, layer).map_err(|error| located(error, format_args!("boundaries[{index}]")))?;
+        planned.viscous.extend(samples.iter().map(|&sample| is_viscous(boundary, layer, sample)));
         if planned.positions.len() + samples.len() > MAX_PARTICLES as usize {
             return Err(too_many((planned.positions.len() + samples.len()) as f64).into());
         }
@@ -608,6 +635,21 @@ pub fn sample_boundary(boundary: &Boundary, layer: &WallLayer) -> Result<Vec<Vec
     Ok(local.into_iter().map(|point| boundary.rotation * point + boundary.center).collect())
 }
 
+/// Whether a sample lies behind a viscous face.
+fn is_viscous(boundary: &Boundary, layer: &WallLayer, sample: Vec3) -> bool {
+    let local = boundary.rotation.conjugate() * (sample - boundary.center);
+    // From the centre to where samples of a face lie, less half a spacing for rounding.
+    let reach = match boundary.shape {
+        BoundaryShape::Container { half_extents, .. } => half_extents + layer.depth,
+        BoundaryShape::Box { half_extents } => half_extents - layer.depth,
+        BoundaryShape::Plane { .. } => return boundary.viscous_faces[3],
+    } - 0.5 * layer.spacing();
+    (0..3).any(|axis| {
+        let [below, above] = [boundary.viscous_faces[2 * axis], boundary.viscous_faces[2 * axis + 1]];
+        (below && local[axis] < -reach[axis]) || (above && local[axis] > reach[axis])
+    })
+}
+
 /// An error of a sampler, seen from the scene: what it calls the spacing is the scene's resolution.
 fn located(error: InvalidInput, parent: fmt::Arguments<'_>) -> InvalidInput {
     if error.field == "shape.spacing" {
@@ -627,6 +669,17 @@ fn check_precision(extent: &Extent, spacing: f32) -> Result<(), InvalidInput> {
         return Err(InvalidInput::new("resolution", format_args!("spacing {spacing} m"), allowed));
     }
     Ok(())
+}
+
+/// Refuses bounds that leave out particles of the start: they would be gone after the first substep.
+fn check_bounds((min, max): (Vec3, Vec3), positions: &[Vec3]) -> Result<(Vec3, Vec3), InvalidInput> {
+    let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+    let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+    if !(min.cmple(low).all() && max.cmpge(high).all()) {
+        let allowed = format!("corners up to {low} and from {high} on, around all particles of the start");
+        return Err(InvalidInput::new("settings.bounds", format_args!("{min} {max}"), allowed));
+    }
+    Ok((min, max))
 }
 
 fn plan_body(body: &Body, layer: &WallLayer) -> PlannedBody {

@@ -180,19 +180,37 @@ pub struct Boundary {
     /// Its orientation.
     #[serde(default)]
     pub rotation: Quat,
+    /// Faces that drag the fluid along: the fluid's own artificial viscosity acts between it and them. Along the others it
+    /// slips freely. In the order -x, +x, -y, +y, -z, +z; a plane's only face is +y. All, if none are named.
+    #[serde(default = "every_face")]
+    pub viscous_faces: [bool; 6],
+}
+
+fn every_face() -> [bool; 6] {
+    [true; 6]
 }
 
 impl Boundary {
     /// A container of inner size `size` without a lid.
     pub fn open_box(size: Vec3, center: Vec3) -> Self {
         let open = [false, false, false, true, false, false];
-        Self { shape: BoundaryShape::Container { half_extents: size / 2.0, open }, center, rotation: Quat::IDENTITY }
+        Self::new(BoundaryShape::Container { half_extents: size / 2.0, open }, center)
     }
 
     /// A container of inner size `size` with all six walls.
     pub fn closed_box(size: Vec3, center: Vec3) -> Self {
         let shape = BoundaryShape::Container { half_extents: size / 2.0, open: [false; 6] };
-        Self { shape, center, rotation: Quat::IDENTITY }
+        Self::new(shape, center)
+    }
+
+    /// A shape that is not turned and has viscous faces only.
+    pub fn new(shape: BoundaryShape, center: Vec3) -> Self {
+        Self { shape, center, rotation: Quat::IDENTITY, viscous_faces: every_face() }
+    }
+
+    /// The same with other faces viscous, see [`Boundary::viscous_faces`].
+    pub fn with_viscous_faces(self, viscous_faces: [bool; 6]) -> Self {
+        Self { viscous_faces, ..self }
     }
 }
 
@@ -252,8 +270,8 @@ pub struct Settings {
     pub budget_milliseconds: Option<f32>,
     /// Most particles there may ever be, 1 to 64 Mi; none: the start's, plus what the emitters can have alive.
     pub max_particles: Option<u32>,
-    /// Where particles may be: lower and upper corner, m; outside they are removed. None: four times the scene's size
-    /// around it.
+    /// Where particles may be: lower and upper corner, m; those that leave are removed, and none may start outside. None: four
+    /// times the scene's size around it.
     pub bounds: Option<(Vec3, Vec3)>,
 }
 
@@ -267,7 +285,7 @@ impl Default for Settings {
             sound_speed: None,
             expected_speed: None,
             allow_compressible: false,
-            artificial_viscosity: 0.05,
+            artificial_viscosity: 0.03,
             courant_factor: 0.4,
             force_factor: 0.25,
             viscous_factor: 0.125,

@@ -1,6 +1,6 @@
 //! The state of a fluid as plain data: save, load, send.
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidInput, check_finite, check_range};
@@ -17,6 +17,9 @@ pub struct Snapshot {
     pub time: f64,
     /// Time asked for but not covered yet, s.
     pub carry: f32,
+    /// Latest time at which particles were said to be where they were spawned
+    /// ([`NewParticles::at`](crate::step::NewParticles::at)), s: emitters go on behind it. None if there was none.
+    pub emitted: Option<f64>,
     /// The id the next particle gets.
     pub next_id: u32,
     /// Gravity, m/s2.
@@ -31,6 +34,17 @@ pub struct Snapshot {
     pub remaining_lives: Vec<f32>,
     /// For each body, the impulses of ticks its engine may not have heard of yet.
     pub exchanges: Vec<[Exchange; 4]>,
+    /// Where the last tick left each body, in the plan's order; none, or beyond the end, for a body that is new.
+    pub poses: Vec<Option<BodyPose>>,
+}
+
+/// Where a tick left a body.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BodyPose {
+    /// Centre of mass, m.
+    pub position: Vec3,
+    /// Orientation.
+    pub rotation: Quat,
 }
 
 /// What passed between the fluid and a body in one tick, and what the body's engine forecast of it.
@@ -57,27 +71,49 @@ pub enum SnapshotError {
     /// The bytes end early or hold something else.
     #[error("damaged snapshot: {0}")]
     Damaged(String),
+    /// The bytes are not those that were saved.
+    #[error("damaged snapshot: the checksum of its bytes is {found:08x} instead of {expected:08x}")]
+    Checksum {
+        /// CRC-32 of the bytes that are there.
+        found: u32,
+        /// CRC-32 of those that were saved.
+        expected: u32,
+    },
     /// The arrays have different lengths, or a value is not finite.
     #[error(transparent)]
     Invalid(#[from] InvalidInput),
 }
 
 /// First bytes of a saved snapshot; the last is the version of the format.
-const MAGIC: &[u8] = b"FRESHET\x01";
+const MAGIC: &[u8] = b"FRESHET\x02";
+
+/// What is known of bodies, for the bodies of another plan: `before` is what
+/// [`Plan::bodies_of`](crate::plan::Plan::bodies_of) says.
+pub fn carried_over<T: Copy + Default>(known: &[T], before: &[Option<usize>]) -> Vec<T> {
+    before.iter().map(|index| index.and_then(|index| known.get(index).copied()).unwrap_or_default()).collect()
+}
 
 impl Snapshot {
-    /// The snapshot as bytes: eight bytes of magic and version, then postcard.
+    /// The snapshot as bytes: eight bytes of magic and version, the CRC-32 of what follows (four bytes, the lowest first),
+    /// then postcard.
     pub fn to_bytes(&self) -> Result<Vec<u8>, SnapshotError> {
         let body = postcard::to_stdvec(self).map_err(|error| SnapshotError::Damaged(error.to_string()))?;
-        Ok([MAGIC, &body].concat())
+        Ok([MAGIC, &crc32fast::hash(&body).to_le_bytes(), &body].concat())
     }
 
     /// Reads what [`to_bytes`](Self::to_bytes) wrote, and checks it.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
-        let Some(body) = bytes.strip_prefix(MAGIC) else {
+        let Some(sealed) = bytes.strip_prefix(MAGIC) else {
             let found = bytes[..bytes.len().min(MAGIC.len())].to_vec();
             return Err(SnapshotError::NotASnapshot { found, expected: MAGIC });
         };
+        let Some((&checksum, body)) = sealed.split_first_chunk() else {
+            return Err(SnapshotError::Damaged("it ends within its checksum".to_owned()));
+        };
+        let (found, expected) = (crc32fast::hash(body), u32::from_le_bytes(checksum));
+        if found != expected {
+            return Err(SnapshotError::Checksum { found, expected });
+        }
         let (snapshot, rest): (Self, _) =
             postcard::take_from_bytes(body).map_err(|error| SnapshotError::Damaged(error.to_string()))?;
         if !rest.is_empty() {
@@ -93,6 +129,11 @@ impl Snapshot {
             return Err(InvalidInput::new("time", self.time, "0 s or more").into());
         }
         check_range("carry", self.carry, 0.0, StepInput::MAX_DURATION, "s")?;
+        if let Some(emitted) = self.emitted
+            && !emitted.is_finite()
+        {
+            return Err(InvalidInput::new("emitted", emitted, "a finite number of seconds, or none").into());
+        }
         check_finite("gravity", self.gravity)?;
         let count = self.ids.len();
         for (field, len) in [
@@ -111,6 +152,15 @@ impl Snapshot {
         }
         if let Some(index) = self.remaining_lives.iter().position(|life| life.is_nan()) {
             return Err(InvalidInput::new(format_args!("remaining_lives[{index}]"), f32::NAN, "a number").into());
+        }
+        for (index, pose) in self.poses.iter().enumerate() {
+            let Some(BodyPose { position, rotation }) = pose else { continue };
+            check_finite(&format!("poses[{index}].position"), *position)?;
+            if !rotation.is_finite() || !rotation.is_normalized() {
+                return Err(
+                    InvalidInput::new(format_args!("poses[{index}].rotation"), rotation, "a unit quaternion").into()
+                );
+            }
         }
         for (index, exchange) in self.exchanges.iter().flatten().enumerate() {
             if !exchange.error.linear.is_finite() || !exchange.error.angular.is_finite() {

@@ -90,9 +90,16 @@ pub struct NewParticles {
     pub positions: Vec<Vec3>,
     /// Velocities, m/s, one for each position.
     pub velocities: Vec<Vec3>,
-    /// Time after which each is retired, s; infinite means never.
+    /// Time after which each is retired, s; infinite means never. It counts from [`at`](Self::at).
     #[serde(default = "forever")]
     pub lifetime: f32,
+    /// Simulated time at which they are at `positions`, s; none means the start of the tick.
+    ///
+    /// The solver moves them along their velocities to where they are at the start of the tick, which it alone knows when
+    /// earlier ticks are still in flight and may not cover what they were asked to. A solver that starts anew is at 0, one that
+    /// restores a snapshot at [`Snapshot::time`](crate::snapshot::Snapshot::time).
+    #[serde(default)]
+    pub at: Option<f64>,
 }
 
 fn forever() -> f32 {
@@ -115,6 +122,11 @@ impl NewParticles {
             if let Some(index) = values.iter().position(|value| !value.is_finite()) {
                 return Err(InvalidInput::new(format_args!("{field}[{index}]"), values[index], "finite numbers"));
             }
+        }
+        if let Some(at) = self.at
+            && !at.is_finite()
+        {
+            return Err(InvalidInput::new("at", at, "a finite number of seconds, or none"));
         }
         Ok(())
     }

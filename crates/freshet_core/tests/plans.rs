@@ -93,7 +93,7 @@ fn the_printed_plan_holds_stages_reasons_and_numbers() {
         "plan of dam break\n",
         "1000 particles of 1.0000e0 kg at the start, at most 1000; spacing 0.1 m, wendland_c2 kernel of support 0.2 m",
         "1 bodies with 2 samples",
-        "tait with sound speed 62.642 m/s, clamped at zero; alpha 0.05; step factors 0.4 0.25 0.125",
+        "tait with sound speed 62.642 m/s, clamped at zero; alpha 0.03; step factors 0.4 0.25 0.125",
         "expected speed 6.264 m/s: 2 sqrt(g D) of a column D = 1.0000 m deep",
         &format!("{} wall samples", plan.boundary.positions.len()),
         &format!(
@@ -223,11 +223,7 @@ fn the_published_jet_needs_leave_to_be_compressible() {
             speed: 4.76,
             lifetime: 1.2,
         }],
-        boundaries: vec![Boundary {
-            shape: BoundaryShape::Plane { half_extents: [3.0, 1.0] },
-            center: Vec3::new(2.0, 0.0, 0.0),
-            rotation: Quat::IDENTITY,
-        }],
+        boundaries: vec![Boundary::new(BoundaryShape::Plane { half_extents: [3.0, 1.0] }, Vec3::new(2.0, 0.0, 0.0))],
         ..FluidScene::with_spacing(0.02)
     };
     jet.settings.sound_speed = Some(1.5);
@@ -276,10 +272,36 @@ fn capacity() {
     assert_eq!(Plan::new(&scene).unwrap().max_particles, 5000);
     scene.settings.max_particles = None;
     scene.emitters.pop();
-    // 12 in a layer, 2 s and a tick of at most 1 s of 10 layers each, and two for the ends.
-    assert_eq!(Plan::new(&scene).unwrap().max_particles, 1000 + 12 * 32);
+    // 13 in a layer for the 4 pi cells of the disc, which takes 0.1035 s to flow in: 29 layers in 2 s and a tick of at most 1 s,
+    // and two for the ends.
+    assert_eq!(Plan::new(&scene).unwrap().max_particles, 1000 + 13 * 31);
     scene.emitters[0].lifetime = 1e30;
     assert!(refused(&scene).contains("settings.max_particles") && refused(&scene).contains("1 to 67108864"));
+}
+
+#[test]
+fn bounds_leave_out_no_particle_of_the_start() {
+    let mut scene = dam_break();
+    let plan = Plan::new(&scene).unwrap();
+    let low = plan.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+    let high = plan.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+    // On the bounds is inside, as for the solvers.
+    scene.settings.bounds = Some((low, high));
+    let parameters = Plan::new(&scene).unwrap().parameters;
+    assert_eq!((parameters.bounds_min, parameters.bounds_max), (low, high));
+    for bounds in [(low + 1e-3 * Vec3::X, high), (low, high - 1e-3 * Vec3::Y), (high + 1.0, high + 2.0)] {
+        scene.settings.bounds = Some(bounds);
+        let Err(SceneError::Invalid(error)) = Plan::new(&scene) else { panic!("{bounds:?} is accepted") };
+        assert_eq!((error.field.as_str(), error.value), ("settings.bounds", format!("{} {}", bounds.0, bounds.1)));
+        assert!(
+            error.allowed.contains(&low.to_string()) && error.allowed.contains(&high.to_string()),
+            "{}",
+            error.allowed
+        );
+    }
+    // Without particles of the start there is nothing to leave out.
+    scene.volumes.clear();
+    assert!(Plan::new(&scene).is_ok());
 }
 
 #[test]

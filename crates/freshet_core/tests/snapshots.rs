@@ -1,7 +1,7 @@
 //! Snapshots: bytes and back, and what is said of bytes that are none.
 
 use freshet_core::prelude::*;
-use freshet_core::snapshot::{Exchange, SnapshotError};
+use freshet_core::snapshot::{BodyPose, Exchange, SnapshotError};
 use proptest::prelude::*;
 
 fn snapshot() -> Snapshot {
@@ -10,6 +10,7 @@ fn snapshot() -> Snapshot {
         tick: 300,
         time: 5.000_000_000_1,
         carry: 0.003,
+        emitted: Some(4.99),
         next_id: 1000,
         gravity: Vec3::new(0.0, -9.81, 0.0),
         ids: vec![3, 4, 999],
@@ -17,7 +18,23 @@ fn snapshot() -> Snapshot {
         velocities: vec![Vec3::X, Vec3::Y, Vec3::splat(f32::MIN_POSITIVE)],
         remaining_lives: vec![f32::INFINITY, 0.5, -0.001],
         exchanges: vec![[Exchange { tick_plus_one: 300, error }; 4], [Exchange::default(); 4]],
+        poses: vec![None, Some(BodyPose { position: Vec3::NEG_Y, rotation: Quat::from_rotation_x(0.3) })],
     }
+}
+
+/// Where the body begins: after eight bytes of magic and four of checksum.
+const BODY: usize = 12;
+
+/// A body with the beginning that belongs to it: what is wrong with it is found by what comes after the checksum.
+fn sealed(body: &[u8]) -> Vec<u8> {
+    [b"FRESHET\x02", &crc32(body).to_le_bytes()[..], body].concat()
+}
+
+/// CRC-32 (IEEE 802.3), bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| (crc >> 1) ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 })
+    })
 }
 
 fn changed(change: impl FnOnce(&mut Snapshot)) -> Snapshot {
@@ -37,11 +54,11 @@ fn bytes_and_back() {
 fn another_file_is_no_snapshot() {
     let bytes = snapshot().to_bytes().unwrap();
     // Another kind of file, an empty one, another version of the format.
-    for other in [&b"(resolution: Spacing(1))"[..], b"", b"FRESH", &[&bytes[..7], &[2], &bytes[8..]].concat()] {
+    for other in [&b"(resolution: Spacing(1))"[..], b"", b"FRESH", &[&bytes[..7], &[1], &bytes[8..]].concat()] {
         match Snapshot::from_bytes(other) {
             Err(SnapshotError::NotASnapshot { found, expected }) => {
                 assert_eq!(found, &other[..other.len().min(8)]);
-                assert_eq!(expected, b"FRESHET\x01");
+                assert_eq!(expected, b"FRESHET\x02");
             }
             result => panic!("{result:?}"),
         }
@@ -52,21 +69,47 @@ fn another_file_is_no_snapshot() {
 fn truncated_anywhere_it_is_damaged() {
     let bytes = snapshot().to_bytes().unwrap();
     for length in 8..bytes.len() {
-        assert!(matches!(Snapshot::from_bytes(&bytes[..length]), Err(SnapshotError::Damaged(_))), "{length}");
+        let error = Snapshot::from_bytes(&bytes[..length]).unwrap_err();
+        assert!(matches!(error, SnapshotError::Damaged(_) | SnapshotError::Checksum { .. }), "{length}: {error:?}");
+        // Even where the checksum is right.
+        if length >= BODY {
+            let sealed = sealed(&bytes[BODY..length]);
+            assert!(matches!(Snapshot::from_bytes(&sealed), Err(SnapshotError::Damaged(_))), "{length}");
+        }
     }
-    let longer = [&bytes[..], &[0]].concat();
+    let longer = sealed(&[&bytes[BODY..], &[0]].concat());
     assert!(
         matches!(Snapshot::from_bytes(&longer), Err(SnapshotError::Damaged(message)) if message.contains("1 bytes"))
     );
 }
 
 #[test]
+fn no_flipped_bit_goes_unnoticed() {
+    let bytes = snapshot().to_bytes().unwrap();
+    for bit in 0..8 * bytes.len() {
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        match Snapshot::from_bytes(&flipped) {
+            Err(SnapshotError::NotASnapshot { .. }) => assert!(bit < 8 * 8, "bit {bit}"),
+            Err(error @ SnapshotError::Checksum { found, expected }) => {
+                assert!(bit >= 8 * 8 && found != expected, "bit {bit}");
+                let message = error.to_string();
+                assert!([found, expected].iter().all(|sum| message.contains(&format!("{sum:08x}"))), "{message}");
+            }
+            result => panic!("bit {bit}: {result:?}"),
+        }
+    }
+}
+
+#[test]
 fn a_length_that_the_bytes_do_not_have_takes_no_memory() {
-    // Where the five lists of an empty snapshot have their lengths, put one that is far too large: a vector of it would
+    // Where the six lists of an empty snapshot have their lengths, put one that is far too large: a vector of it would
     // overflow an address space.
     let bytes = Snapshot::default().to_bytes().unwrap();
-    assert_eq!(bytes.len(), 39);
-    for at in 34..39 {
+    let body = &bytes[BODY..];
+    assert_eq!(body.len(), 33);
+    assert_eq!(sealed(body), bytes);
+    for at in 27..33 {
         for length in [u64::from(u32::MAX), 1 << 40, 1 << 60, u64::MAX] {
             let mut varint = Vec::new();
             let mut rest = length;
@@ -75,7 +118,7 @@ fn a_length_that_the_bytes_do_not_have_takes_no_memory() {
                 rest >>= 7;
             }
             varint.push(rest as u8);
-            let huge = [&bytes[..at], &varint, &bytes[at + 1..]].concat();
+            let huge = sealed(&[&body[..at], &varint, &body[at + 1..]].concat());
             assert!(matches!(Snapshot::from_bytes(&huge), Err(SnapshotError::Damaged(_))), "{at} {length}");
         }
     }
@@ -83,7 +126,7 @@ fn a_length_that_the_bytes_do_not_have_takes_no_memory() {
 
 #[test]
 fn an_invalid_value_is_refused_by_name() {
-    let cases: [(Snapshot, [&str; 3]); 16] = [
+    let cases: [(Snapshot, [&str; 3]); 19] = [
         (changed(|s| s.positions.truncate(2)), ["positions", "2", "3, one for each id"]),
         (changed(|s| s.velocities.push(Vec3::ZERO)), ["velocities", "4", "3, one for each id"]),
         (changed(|s| s.remaining_lives.clear()), ["remaining_lives", "0", "3, one for each id"]),
@@ -98,7 +141,10 @@ fn an_invalid_value_is_refused_by_name() {
         (changed(|s| s.time = -1.0), ["time", "-1", "0 s or more"]),
         (changed(|s| s.carry = f32::NAN), ["carry", "NaN", "0 to 1 s"]),
         (changed(|s| s.carry = 1.5), ["carry", "1.5", "0 to 1 s"]),
+        (changed(|s| s.emitted = Some(f64::NAN)), ["emitted", "NaN", "finite"]),
         (changed(|s| s.gravity.x = f32::INFINITY), ["gravity", "inf", "finite"]),
+        (changed(|s| s.poses[1].as_mut().unwrap().position.y = f32::INFINITY), ["poses[1].position", "inf", "finite"]),
+        (changed(|s| s.poses[1].as_mut().unwrap().rotation.w = 7.0), ["poses[1].rotation", "7", "unit"]),
         (changed(|s| s.exchanges[1][2].error.linear.x = f32::NAN), ["exchanges[1][2]", "NaN", "finite"]),
     ];
     for (snapshot, [field, value, allowed]) in cases {
@@ -118,19 +164,19 @@ proptest! {
     #[test]
     fn any_bytes_give_a_snapshot_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
         let _ = Snapshot::from_bytes(&bytes);
-        let _ = Snapshot::from_bytes(&[b"FRESHET\x01", &bytes[..]].concat());
+        let _ = Snapshot::from_bytes(&sealed(&bytes));
     }
 
     #[test]
-    fn damaged_bytes_give_a_valid_snapshot_or_an_error(
+    fn damaged_bytes_with_the_right_checksum_give_a_valid_snapshot_or_an_error(
         edits in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>()), 1..5),
     ) {
-        let mut bytes = snapshot().to_bytes().unwrap();
+        let mut body = snapshot().to_bytes().unwrap().split_off(BODY);
         for (at, byte) in edits {
-            let at = at.index(bytes.len());
-            bytes[at] = byte;
+            let at = at.index(body.len());
+            body[at] = byte;
         }
-        if let Ok(snapshot) = Snapshot::from_bytes(&bytes) {
+        if let Ok(snapshot) = Snapshot::from_bytes(&sealed(&body)) {
             prop_assert!(snapshot.validate().is_ok());
         }
     }

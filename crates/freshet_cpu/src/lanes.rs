@@ -57,14 +57,8 @@ pub fn divide<S: Simd>(simd: S, numerator: S::f32s, divisor: S::f32s) -> S::f32s
 /// The AVX-512 instructions if `simd` is them; decided by the compiler.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn avx512<S: Simd>(simd: S) -> Option<pulp::x86::V4> {
+pub fn avx512<S: Simd>(simd: S) -> Option<pulp::x86::V4> {
     (&simd as &dyn std::any::Any).downcast_ref::<pulp::x86::V4>().copied()
-}
-
-/// A point no kernel of support radius `reach` around `position`'s cell and its neighbours extends to.
-#[inline(always)]
-pub fn far_from(position: Vec3, reach: f32) -> [f32; 3] {
-    [position.x + 100.0 * reach, position.y, position.z]
 }
 
 /// Sums in lanes, one or more for each particle of a cell, on whole cache lines: a store across two costs twice.

@@ -11,6 +11,7 @@ pub struct Rows {
 
 impl Rows {
     /// The ranges around the cell of wrapped index `cell`.
+    #[inline(always)]
     pub fn around(grid: &Grid, starts: &[u32], cell: usize) -> Self {
         let (log, size) = (grid.log_cells, grid.dimensions());
         let x = cell as u32 & (size.x - 1);
@@ -53,6 +54,7 @@ impl Rows {
     }
 
     /// Whether there is none.
+    #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

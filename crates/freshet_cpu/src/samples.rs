@@ -14,6 +14,8 @@ pub struct SortedSamples {
     pub position: [Vec<f32>; 3],
     /// Volume weights, m3, padded with zero.
     pub volume: Vec<f32>,
+    /// Volume weights of those that drag the fluid along, zero for the others; empty if there is none, padded otherwise.
+    pub viscous_volume: Vec<f32>,
     /// Index of each sample in the order given.
     pub source: Vec<u32>,
 }
@@ -53,6 +55,21 @@ impl SortedSamples {
         self.starts[0] = 0;
     }
 
+    /// Marks the samples that drag the fluid along, in the order given to [`SortedSamples::sort`].
+    pub fn set_viscous(&mut self, viscous: &[bool]) {
+        self.viscous_volume.clear();
+        if viscous.contains(&true) {
+            let drag = |(&source, &volume): (&u32, &f32)| if viscous[source as usize] { volume } else { 0.0 };
+            self.viscous_volume.extend(self.source.iter().zip(&self.volume).map(drag));
+            self.viscous_volume.resize(self.len() + PADDING, 0.0);
+        }
+    }
+
+    /// Whether any drags the fluid along.
+    pub fn drags(&self) -> bool {
+        !self.viscous_volume.is_empty()
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.source.len()
@@ -70,7 +87,7 @@ impl SortedSamples {
 
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
-        let reals: usize = self.position.iter().chain(std::iter::once(&self.volume)).map(Vec::capacity).sum();
+        let reals: usize = self.position.iter().chain([&self.volume, &self.viscous_volume]).map(Vec::capacity).sum();
         4 * (reals + self.source.capacity() + self.starts.capacity()) as u64
     }
 }

@@ -1,11 +1,12 @@
 //! The solver: owns the state and runs the plan's stages.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use freshet_core::field::{Field, FieldData};
 use freshet_core::kernel::Kernel;
 use freshet_core::plan::{Parameters, Plan, StageKind};
-use freshet_core::snapshot::{Exchange, Snapshot};
+use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over};
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
 use freshet_core::step::{Command, NewParticles, PassTime, StepInput, StepReport};
 use glam::Vec3;
@@ -46,7 +47,7 @@ pub struct CpuOptions {
 pub struct CpuSolver {
     plan: Plan,
     schedule: Schedule,
-    workers: Workers,
+    workers: Arc<Workers>,
     arch: pulp::Arch,
     particles: Particles,
     scratch: Particles,
@@ -58,10 +59,12 @@ pub struct CpuSolver {
     body_samples: BodySamples,
     bodies: Vec<MovingBody>,
     exchanges: Vec<[Exchange; 4]>,
+    poses: Vec<Option<BodyPose>>,
     gravity: Vec3,
-    tick: u64,
+    next_tick: u64,
     time: f64,
     carry: f32,
+    emitted: Option<f64>,
     next_id: u32,
     mortal: bool,
 }
@@ -98,7 +101,7 @@ impl CpuSolver {
     /// If the plan asks for what the CPU does not have, or threads cannot be made.
     pub fn new(plan: Plan, options: CpuOptions) -> Result<Self, SolverError> {
         let passes = schedule::lower(&plan)?;
-        let workers = Workers::new(options.threads).map_err(SolverError::Device)?;
+        let workers = Arc::new(Workers::new(options.threads).map_err(SolverError::Device)?);
         let arch = match options.instruction_set {
             InstructionSet::Widest => pulp::Arch::new(),
             InstructionSet::Scalar => pulp::Arch::Scalar,
@@ -122,10 +125,12 @@ impl CpuSolver {
             body_samples: BodySamples::default(),
             bodies: Vec::new(),
             exchanges: Vec::new(),
+            poses: Vec::new(),
             gravity: plan.parameters.gravity,
-            tick: 0,
+            next_tick: 0,
             time: 0.0,
             carry: 0.0,
+            emitted: None,
             mortal: false,
             plan,
         };
@@ -146,6 +151,7 @@ impl CpuSolver {
     /// What follows from the plan and is not state.
     fn take_plan(&mut self) {
         self.walls.sort(&self.plan.grid, &self.plan.boundary.positions, &self.plan.boundary.volumes);
+        self.walls.set_viscous(&self.plan.boundary.viscous);
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
         self.bodies.clear();
         self.measure_memory();
@@ -189,10 +195,13 @@ impl CpuSolver {
     fn spawn(&mut self, new: &NewParticles) -> u32 {
         let room = (self.plan.max_particles as usize).saturating_sub(self.particles.len);
         let count = new.positions.len().min(room);
+        // How long ago they were where they are said to be; negative if they will be.
+        let age = new.at.map_or(0.0, |at| (self.time - at) as f32);
         for (&position, &velocity) in new.positions.iter().zip(&new.velocities).take(count) {
-            self.particles.push(self.next_id, position, velocity, new.lifetime);
+            self.particles.push(self.next_id, position + velocity * age, velocity, new.lifetime - age);
             self.next_id = self.next_id.wrapping_add(1);
         }
+        self.emitted = self.emitted.into_iter().chain(new.at).reduce(f64::max);
         self.mortal |= new.lifetime.is_finite();
         (new.positions.len() - count) as u32
     }
@@ -203,6 +212,73 @@ impl CpuSolver {
                 self.particles.life[i] = -1.0;
             }
         }
+    }
+
+    /// A tick whose input has been checked.
+    fn tick(&mut self, input: &StepInput) -> StepReport {
+        let begin = Instant::now();
+        let mut report = StepReport { tick: input.tick, ..StepReport::default() };
+        for command in &input.commands {
+            self.command(command, &mut report);
+        }
+        self.bodies = input
+            .bodies
+            .iter()
+            .zip(&self.exchanges)
+            .map(|(body, exchanges)| MovingBody::begin(body, exchanges, input.tick, input.duration))
+            .collect();
+        let parameters = &self.plan.parameters;
+        for (body, left) in self.bodies.iter_mut().zip(&self.poses) {
+            if let Some(left) = left {
+                body.continue_from(left, input.duration + self.carry, parameters);
+            }
+        }
+
+        let asked = input.duration + self.carry;
+        let mut covered = 0.0f32;
+        let mut tally = Tally::default();
+        // Past the budget time slows down; past the substep limit the rest waits for the next tick.
+        self.carry = loop {
+            covered += self.substep(asked - covered, &mut tally);
+            let left = asked - covered;
+            let spent = begin.elapsed().as_secs_f32() * 1e3;
+            if left <= 1e-6 * asked || self.plan.budget_milliseconds.is_some_and(|budget| spent >= budget) {
+                break 0.0;
+            }
+            if tally.substeps >= self.plan.parameters.max_substeps {
+                break left.min(StepInput::MAX_DURATION);
+            }
+        };
+        self.next_tick = input.tick + 1;
+        self.time += f64::from(covered);
+        for ((body, exchanges), given) in self.bodies.iter().zip(&mut self.exchanges).zip(&input.bodies) {
+            remember(exchanges, input.tick, body.impulse, given.forecast);
+        }
+        self.poses = self.bodies.iter().map(|body| Some(body.pose())).collect();
+        if tally.dropped.retired + tally.dropped.removed > 0 {
+            self.particles.shrink();
+            self.scratch.shrink();
+        }
+        self.measure_memory();
+
+        report.particles = self.particles.len as u32;
+        report.substeps = tally.substeps;
+        report.smallest_substep = tally.smallest;
+        report.simulated = f64::from(covered);
+        report.time_scale = if asked > 0.0 { covered / asked } else { 1.0 };
+        report.mean_compression = tally.mean_compression;
+        report.max_compression = tally.max_compression;
+        report.max_speed = tally.max_speed;
+        report.removed = tally.dropped.removed;
+        report.retired = tally.dropped.retired;
+        report.bodies = self.bodies.iter().map(|body| body.impulse).collect();
+        report.passes = tally
+            .times
+            .iter()
+            .filter(|(name, _)| self.schedule.passes.iter().any(|pass| pass.name == *name))
+            .map(|(name, time)| PassTime { pass: (*name).to_owned(), milliseconds: time.as_secs_f32() * 1e3 })
+            .collect();
+        report
     }
 
     /// One substep of at most `remaining` seconds; returns its length.
@@ -382,62 +458,8 @@ impl FluidSolver for CpuSolver {
 
     fn step(&mut self, input: &StepInput) -> Result<StepReport, SolverError> {
         input.validate(self.plan.bodies.len())?;
-        let begin = Instant::now();
-        let mut report = StepReport { tick: input.tick, ..StepReport::default() };
-        for command in &input.commands {
-            self.command(command, &mut report);
-        }
-        self.bodies = input
-            .bodies
-            .iter()
-            .zip(&self.exchanges)
-            .map(|(body, exchanges)| MovingBody::begin(body, exchanges, input.tick, input.duration))
-            .collect();
-
-        let asked = input.duration + self.carry;
-        let mut covered = 0.0f32;
-        let mut tally = Tally::default();
-        // Past the budget time slows down; past the substep limit the rest waits for the next tick.
-        self.carry = loop {
-            covered += self.substep(asked - covered, &mut tally);
-            let left = asked - covered;
-            let spent = begin.elapsed().as_secs_f32() * 1e3;
-            if left <= 1e-6 * asked || self.plan.budget_milliseconds.is_some_and(|budget| spent >= budget) {
-                break 0.0;
-            }
-            if tally.substeps >= self.plan.parameters.max_substeps {
-                break left.min(StepInput::MAX_DURATION);
-            }
-        };
-        self.tick = input.tick + 1;
-        self.time += f64::from(covered);
-        for ((body, exchanges), given) in self.bodies.iter().zip(&mut self.exchanges).zip(&input.bodies) {
-            remember(exchanges, input.tick, body.impulse, given.forecast);
-        }
-        if tally.dropped.retired + tally.dropped.removed > 0 {
-            self.particles.shrink();
-            self.scratch.shrink();
-        }
-        self.measure_memory();
-
-        report.particles = self.particles.len as u32;
-        report.substeps = tally.substeps;
-        report.smallest_substep = tally.smallest;
-        report.simulated = f64::from(covered);
-        report.time_scale = if asked > 0.0 { covered / asked } else { 1.0 };
-        report.mean_compression = tally.mean_compression;
-        report.max_compression = tally.max_compression;
-        report.max_speed = tally.max_speed;
-        report.removed = tally.dropped.removed;
-        report.retired = tally.dropped.retired;
-        report.bodies = self.bodies.iter().map(|body| body.impulse).collect();
-        report.passes = tally
-            .times
-            .iter()
-            .filter(|(name, _)| self.schedule.passes.iter().any(|pass| pass.name == *name))
-            .map(|(name, time)| PassTime { pass: (*name).to_owned(), milliseconds: time.as_secs_f32() * 1e3 })
-            .collect();
-        Ok(report)
+        let workers = Arc::clone(&self.workers);
+        Ok(workers.enter(|| self.tick(input)))
     }
 
     fn read(&mut self, field: Field) -> Result<FieldData, SolverError> {
@@ -471,9 +493,10 @@ impl FluidSolver for CpuSolver {
         let mut order: Vec<usize> = (0..self.particles.len).collect();
         order.sort_unstable_by_key(|&i| self.particles.id[i]);
         Ok(Snapshot {
-            tick: self.tick,
+            tick: self.next_tick,
             time: self.time,
             carry: self.carry,
+            emitted: self.emitted,
             next_id: self.next_id,
             gravity: self.gravity,
             ids: order.iter().map(|&i| self.particles.id[i]).collect(),
@@ -481,6 +504,7 @@ impl FluidSolver for CpuSolver {
             velocities: order.iter().map(|&i| self.particles.velocity_of(i)).collect(),
             remaining_lives: order.iter().map(|&i| self.particles.life[i]).collect(),
             exchanges: self.exchanges.clone(),
+            poses: self.poses.clone(),
         })
     }
 
@@ -494,12 +518,14 @@ impl FluidSolver for CpuSolver {
         self.mortal = snapshot.remaining_lives.iter().any(|life| life.is_finite());
         self.particles = particles;
         self.density.clear();
-        self.tick = snapshot.tick;
+        self.next_tick = snapshot.tick;
         self.time = snapshot.time;
         self.carry = snapshot.carry;
+        self.emitted = snapshot.emitted;
         self.next_id = snapshot.next_id;
         self.gravity = snapshot.gravity;
         self.exchanges.clone_from(&snapshot.exchanges);
+        self.poses.clone_from(&snapshot.poses);
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
         Ok(())
     }
@@ -507,6 +533,9 @@ impl FluidSolver for CpuSolver {
     fn reconfigure(&mut self, plan: Plan) -> Result<(), SolverError> {
         self.schedule.passes = schedule::lower(&plan)?;
         Kernel::new(plan.parameters.kernel, plan.parameters.support_radius)?;
+        let before = plan.bodies_of(&self.plan);
+        self.exchanges = carried_over(&self.exchanges, &before);
+        self.poses = carried_over(&self.poses, &before);
         self.plan = plan;
         self.take_plan();
         Ok(())

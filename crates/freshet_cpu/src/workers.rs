@@ -23,16 +23,21 @@ impl Workers {
         self.threads
     }
 
+    /// Calls `body` on one of the threads: passes shared from there start without waking it first.
+    pub fn enter<R: Send>(&self, body: impl FnOnce() -> R + Send) -> R {
+        match &self.pool {
+            _ if self.threads == 1 => body(),
+            Some(pool) => pool.install(body),
+            None => rayon::scope(|_| body()),
+        }
+    }
+
     /// Calls `body` for each task, in any order, on all threads; the results are in the order of the tasks.
     pub fn map<T: Send, R: Send>(&self, tasks: Vec<T>, body: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
         if self.threads == 1 {
             return tasks.into_iter().map(body).collect();
         }
-        let run = || tasks.into_par_iter().with_max_len(1).map(body).collect();
-        match &self.pool {
-            Some(pool) => pool.install(run),
-            None => run(),
-        }
+        self.enter(|| tasks.into_par_iter().with_max_len(1).map(body).collect())
     }
 }
 

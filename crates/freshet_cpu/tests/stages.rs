@@ -1,6 +1,7 @@
 //! The stages against sums over all pairs in double precision, with the kernels of `freshet_core`.
 
 use freshet_core::kernel::Kernel;
+use freshet_core::plan::PlannedBoundary;
 use freshet_core::prelude::*;
 use freshet_cpu::{CpuOptions, CpuSolver, InstructionSet};
 use glam::DVec3;
@@ -9,7 +10,10 @@ use glam::DVec3;
 fn scene(kernel: KernelKind, alpha: f32) -> FluidScene {
     let mut scene = FluidScene {
         volumes: vec![Volume::block(Vec3::splat(0.3), Vec3::new(0.3, 0.3, 0.3))],
-        boundaries: vec![Boundary::closed_box(Vec3::new(0.6, 0.8, 0.6), Vec3::new(0.3, 0.4, 0.3))],
+        boundaries: vec![
+            Boundary::closed_box(Vec3::new(0.6, 0.8, 0.6), Vec3::new(0.3, 0.4, 0.3))
+                .with_viscous_faces([false, true, true, false, false, true]),
+        ],
         ..FluidScene::with_spacing(0.1)
     };
     scene.settings.kernel = kernel;
@@ -55,36 +59,40 @@ fn reference(plan: &Plan, state: &Snapshot) -> Reference {
     let (mass, rest, h) = (f64::from(p.particle_mass), f64::from(p.rest_density), f64::from(p.smoothing_length));
     let x: Vec<DVec3> = state.positions.iter().map(|x| x.as_dvec3()).collect();
     let v: Vec<DVec3> = state.velocities.iter().map(|v| v.as_dvec3()).collect();
-    let walls: Vec<(DVec3, f64)> = plan
-        .boundary
-        .positions
+    let PlannedBoundary { positions, volumes, viscous } = &plan.boundary;
+    assert!(viscous.contains(&true) && viscous.contains(&false));
+    let walls: Vec<(DVec3, f64, bool)> = positions
         .iter()
-        .zip(&plan.boundary.volumes)
-        .map(|(x, &v)| (x.as_dvec3(), f64::from(v)))
+        .zip(volumes)
+        .zip(viscous)
+        .map(|((x, &v), &viscous)| (x.as_dvec3(), f64::from(v), viscous))
         .collect();
     let density: Vec<f64> = x
         .iter()
         .map(|&at| {
             let fluid: f64 = x.iter().map(|other| kernel.value(at.distance(*other))).sum();
-            let wall: f64 = walls.iter().map(|(other, volume)| volume * kernel.value(at.distance(*other))).sum();
+            let wall: f64 = walls.iter().map(|(other, volume, _)| volume * kernel.value(at.distance(*other))).sum();
             (mass * fluid + rest * wall) / f64::from(p.density_calibration)
         })
         .collect();
     let pressure: Vec<f64> = density.iter().map(|&rho| p.pressure_law.pressure(rest, rho)).collect();
     let term: Vec<f64> = pressure.iter().zip(&density).map(|(p, rho)| p / (rho * rho)).collect();
+    let pi = |apart: DVec3, moving: DVec3, mean_density: f64| {
+        let mu = h * moving.dot(apart) / (apart.length_squared() + 0.01 * h * h);
+        -f64::from(p.artificial_viscosity) * f64::from(p.sound_speed) * mu / mean_density
+    };
     let acceleration = (0..x.len())
         .map(|a| {
             let mut sum = DVec3::ZERO;
             for b in 0..x.len() {
                 let (apart, moving) = (x[a] - x[b], v[a] - v[b]);
-                let mu = h * moving.dot(apart) / (apart.length_squared() + 0.01 * h * h);
-                let viscous = -f64::from(p.artificial_viscosity) * f64::from(p.sound_speed) * mu
-                    / (0.5 * (density[a] + density[b]));
+                let viscous = pi(apart, moving, 0.5 * (density[a] + density[b]));
                 sum += mass * (term[a] + term[b] + viscous) * kernel.derivative_over_r(apart.length()) * apart;
             }
-            for &(wall, volume) in &walls {
+            for &(wall, volume, viscous) in &walls {
                 let apart = x[a] - wall;
-                sum += rest * volume * term[a] * kernel.derivative_over_r(apart.length()) * apart;
+                let drag = if viscous { pi(apart, v[a], density[a]) } else { 0.0 };
+                sum += rest * volume * (term[a] + drag) * kernel.derivative_over_r(apart.length()) * apart;
             }
             p.gravity.as_dvec3() - sum / f64::from(p.gradient_calibration)
         })

@@ -40,7 +40,14 @@ impl CellTables {
     }
 }
 
+/// Whether the fluid's viscosity acts between it and some walls.
+pub(crate) fn drags(plan: &Plan) -> bool {
+    plan.parameters.artificial_viscosity > 0.0 && plan.boundary.viscous.contains(&true)
+}
+
 /// Samples of walls sorted by cell, in the plan's order within a cell, and the first sample of each cell.
+///
+/// A sample is its position and its volume; the volume's sign is negative where a viscous face drags the fluid along.
 pub(crate) fn sort_walls(plan: &Plan) -> (Vec<[f32; 4]>, Vec<u32>) {
     let cells: Vec<u32> =
         plan.boundary.positions.iter().map(|&position| plan.grid.index(plan.grid.coordinates(position))).collect();
@@ -55,7 +62,8 @@ pub(crate) fn sort_walls(plan: &Plan) -> (Vec<[f32; 4]>, Vec<u32>) {
     }
     let sample = |k: usize| {
         let [x, y, z] = plan.boundary.positions[k].to_array();
-        [x, y, z, plan.boundary.volumes[k]]
+        let volume = plan.boundary.volumes[k];
+        [x, y, z, if drags(plan) && plan.boundary.viscous[k] { -volume } else { volume }]
     };
     (order.into_iter().map(sample).collect(), starts)
 }

@@ -17,7 +17,7 @@ const STRIDE: usize = 256;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Edit {
-    Spawn { first: u32, count: u32 },
+    Spawn { first: u32, count: u32, timed: bool },
     RemoveIds { first: u32, count: u32 },
     RemoveInBox { min: Vec3, max: Vec3 },
 }
@@ -27,29 +27,31 @@ enum Edit {
 pub(crate) struct Edits {
     list: Vec<Edit>,
     spawned: Vec<SpawnRecord>,
+    /// The GPU's clock at the time up to which ages count.
+    clock: u32,
+    /// Latest of the times at which particles were said to be where they are spawned, s.
+    pub emitted: Option<f64>,
 }
 
 impl Edits {
-    /// Reads commands; `gravity` is set by those that set it.
-    pub fn of(commands: &[Command], gravity: &mut Vec3) -> Self {
-        let mut edits = Self::default();
+    /// Reads commands; `gravity` is set by those that set it. The GPU's clock was at `clock` at the simulated time `time`, s.
+    pub fn of(commands: &[Command], gravity: &mut Vec3, (time, clock): (f64, u32)) -> Self {
+        let mut edits = Self { clock, ..Self::default() };
         for command in commands {
             match command {
                 Command::Spawn(particles) if particles.positions.is_empty() => {}
                 Command::Spawn(particles) => {
                     let (first, count) = (edits.spawned.len() as u32, particles.positions.len() as u32);
+                    let timed = particles.at.is_some();
+                    let age = particles.at.map_or(0.0, |at| (time - at) as f32);
+                    edits.emitted = edits.emitted.into_iter().chain(particles.at).reduce(f64::max);
                     edits.spawned.extend(particles.positions.iter().zip(&particles.velocities).map(
-                        |(&position, &velocity)| SpawnRecord {
-                            position,
-                            lifetime: particles.lifetime,
-                            velocity,
-                            pad: 0.0,
-                        },
+                        |(&position, &velocity)| SpawnRecord { position, lifetime: particles.lifetime, velocity, age },
                     ));
                     match edits.list.last_mut() {
                         // One after the other is one.
-                        Some(Edit::Spawn { count: before, .. }) => *before += count,
-                        _ => edits.list.push(Edit::Spawn { first, count }),
+                        Some(Edit::Spawn { count: before, timed: same, .. }) if *same == timed => *before += count,
+                        _ => edits.list.push(Edit::Spawn { first, count, timed }),
                     }
                 }
                 &Command::RemoveIds { first, count } => edits.list.push(Edit::RemoveIds { first, count }),
@@ -69,9 +71,15 @@ impl Edits {
         let mut bytes = vec![0; STRIDE * self.list.len()];
         for (edit, chunk) in self.list.iter().zip(bytes.chunks_exact_mut(STRIDE)) {
             let record = match *edit {
-                Edit::Spawn { first, count } | Edit::RemoveIds { first, count } => {
-                    CommandRecord { first, count, capacity, ..Default::default() }
-                }
+                Edit::Spawn { first, count, timed } => CommandRecord {
+                    first,
+                    count,
+                    capacity,
+                    timed: u32::from(timed),
+                    clock: self.clock,
+                    ..Default::default()
+                },
+                Edit::RemoveIds { first, count } => CommandRecord { first, count, capacity, ..Default::default() },
                 Edit::RemoveInBox { min, max } => CommandRecord { low: min, high: max, capacity, ..Default::default() },
             };
             chunk[..size_of::<CommandRecord>()].copy_from_slice(bytemuck::bytes_of(&record));

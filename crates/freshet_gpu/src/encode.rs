@@ -26,6 +26,7 @@ impl GpuSolver {
     fn encode_tick(&mut self, encoder: &mut wgpu::CommandEncoder, tick: &PreparedTick) -> Result<(), SolverError> {
         let bound = self.most_particles();
         self.spawning.push_back(tick.about.spawned);
+        self.emitted = self.emitted.into_iter().chain(tick.edits.emitted).reduce(f64::max);
         self.fit(encoder, bound.saturating_add(tick.about.spawned))?;
         self.encode_beginning(encoder, tick, bound)?;
         self.encode_substeps(encoder, tick.about.encoded);

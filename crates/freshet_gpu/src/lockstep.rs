@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use freshet_core::field::{Field, FieldData};
 use freshet_core::plan::Plan;
-use freshet_core::snapshot::Snapshot;
+use freshet_core::snapshot::{Snapshot, carried_over};
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
 use freshet_core::step::{StepInput, StepReport};
 
@@ -76,7 +76,10 @@ impl FluidSolver for GpuSolver {
     }
 
     fn reconfigure(&mut self, plan: Plan) -> Result<(), SolverError> {
-        let snapshot = self.take_snapshot()?;
+        let mut snapshot = self.take_snapshot()?;
+        let before = plan.bodies_of(&self.plan);
+        snapshot.exchanges = carried_over(&snapshot.exchanges, &before);
+        snapshot.poses = carried_over(&snapshot.poses, &before);
         let mut next = Self::new(&self.device, &self.queue, plan, self.options)?;
         next.load_snapshot(&snapshot)?;
         next.generation = self.generation + 1;

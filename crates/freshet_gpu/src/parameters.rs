@@ -65,6 +65,8 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         wall_starts: tables.wall_starts,
         body_starts: tables.body_starts,
         block_sums: tables.block_sums,
+        expected_speed: p.expected_speed,
+        body_reach: p.body_reach(),
         ..Default::default()
     }
 }

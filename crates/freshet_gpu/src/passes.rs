@@ -220,7 +220,12 @@ pub(crate) fn begin_bodies() -> Pass {
         "begin_bodies",
         passes::BODY_MOTION,
         Dispatch::Direct,
-        &[(Binding::Input, Access::Read), (Binding::Bodies, Access::Write), (Binding::BodyInputs, Access::Read)],
+        &[
+            (Binding::Input, Access::Read),
+            (Binding::Control, Access::Read),
+            (Binding::Bodies, Access::Write),
+            (Binding::BodyInputs, Access::Read),
+        ],
     )
 }
 

@@ -6,9 +6,10 @@ use freshet_core::plan::Parameters;
 pub(crate) const SPARE_SUBSTEPS: u32 = 2;
 
 /// The number of substeps to encode for `asked` seconds, when the last known substep was `last` seconds (zero for none).
+/// A tick of no length takes one, which evaluates the stages and moves nothing.
 pub(crate) fn substeps_to_encode(parameters: &Parameters, asked: f32, last: f32) -> u32 {
     if asked <= 0.0 {
-        return 0;
+        return 1;
     }
     let known = if last > 0.0 {
         last
@@ -32,7 +33,7 @@ mod tests {
             FluidScene { volumes: vec![Volume::block(Vec3::splat(0.5), Vec3::ZERO)], ..FluidScene::with_spacing(0.1) };
         let parameters = Plan::new(&scene).unwrap().parameters;
         assert_eq!(substeps_to_encode(&parameters, 0.01, 0.001), 10 + SPARE_SUBSTEPS);
-        assert_eq!(substeps_to_encode(&parameters, 0.0, 0.001), 0);
+        assert_eq!(substeps_to_encode(&parameters, 0.0, 0.001), 1);
         let limit = parameters.substep_limit(parameters.expected_speed, 9.81);
         assert_eq!(substeps_to_encode(&parameters, 3.0 * limit, 0.0), 3 + SPARE_SUBSTEPS);
         assert_eq!(substeps_to_encode(&Parameters { max_substeps: 4, ..parameters }, 1.0, 1e-3), 4);

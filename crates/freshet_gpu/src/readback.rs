@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::{Duration, Instant};
 
 use freshet_core::solver::SolverError;
 
@@ -10,6 +11,10 @@ use crate::errors::guarded;
 
 /// Ticks that may be in flight before [`GpuSolver::collect`](crate::GpuSolver::collect) waits.
 pub const TICKS_IN_FLIGHT: usize = 3;
+
+/// How long a report of finished work may take to be called in by another thread; also what a report costs that is waited
+/// for and was never submitted.
+const MOST_UNSAID: Duration = Duration::from_millis(100);
 
 const PENDING: u8 = 0;
 const READY: u8 = 1;
@@ -88,7 +93,7 @@ impl<T> Readback<T> {
         poll(device, wgpu::PollType::Poll)?;
         let mut arrived = self.take_arrived()?;
         if self.pending.len() > TICKS_IN_FLIGHT {
-            self.wait(device)?;
+            self.wait_for_pending(device)?;
             arrived.extend(self.take_arrived()?);
         }
         Ok(arrived)
@@ -97,7 +102,7 @@ impl<T> Readback<T> {
     /// Waits for everything that was submitted; gives all reports.
     pub fn finish(&mut self, device: &wgpu::Device) -> Result<Vec<(T, Vec<u8>)>, SolverError> {
         if !self.pending.is_empty() {
-            self.wait(device)?;
+            self.wait_for_pending(device)?;
         }
         self.take_arrived()
     }
@@ -123,7 +128,7 @@ impl<T> Readback<T> {
             signal.store(if result.is_ok() { READY } else { FAILED }, Ordering::Release);
         });
         queue.submit([encoder.finish()]);
-        self.wait(device)?;
+        self.wait(device, &[Arc::clone(&state)])?;
         if state.load(Ordering::Acquire) != READY {
             return Err(SolverError::Device("a buffer could not be read".to_owned()));
         }
@@ -132,9 +137,21 @@ impl<T> Readback<T> {
         Ok(data)
     }
 
-    fn wait(&mut self, device: &wgpu::Device) -> Result<(), SolverError> {
+    fn wait_for_pending(&mut self, device: &wgpu::Device) -> Result<(), SolverError> {
+        let states: Vec<_> = self.pending.iter().map(|ticket| Arc::clone(&ticket.state)).collect();
+        self.wait(device, &states)
+    }
+
+    /// Waits for all that was submitted. Another thread that polls the device may then still be about to say so.
+    fn wait(&mut self, device: &wgpu::Device, states: &[Arc<AtomicU8>]) -> Result<(), SolverError> {
         self.waits += 1;
-        poll(device, wgpu::PollType::wait_indefinitely())
+        poll(device, wgpu::PollType::wait_indefinitely())?;
+        let begin = Instant::now();
+        let is_unsaid = || states.iter().any(|state| state.load(Ordering::Acquire) == PENDING);
+        while is_unsaid() && begin.elapsed() < MOST_UNSAID {
+            std::thread::sleep(Duration::from_micros(50));
+        }
+        Ok(())
     }
 
     fn take_arrived(&mut self) -> Result<Vec<(T, Vec<u8>)>, SolverError> {

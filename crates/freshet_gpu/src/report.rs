@@ -29,10 +29,20 @@ impl Arrival {
         })
     }
 
+    /// Time the tick covered, s.
+    fn simulated(&self) -> f32 {
+        self.control.asked - self.control.remaining
+    }
+
+    /// The GPU's clock at the end of the tick, to which `begin_tick` sets it.
+    pub fn clock(&self) -> u32 {
+        self.control.clock.wrapping_add((self.simulated() * 16_777_216.0) as u32)
+    }
+
     /// The report of tick `tick`, without times.
     pub fn report(&self, tick: u64) -> StepReport {
         let control = &self.control;
-        let simulated = control.asked - control.remaining;
+        let simulated = self.simulated();
         let ratio = f32::from_bits(control.max_ratio.0);
         StepReport {
             tick,

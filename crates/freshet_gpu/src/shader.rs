@@ -10,6 +10,7 @@ use freshet_shaders::library;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 use wgpu::naga;
 
+use crate::cells::drags;
 use crate::layout::bindings_module;
 use crate::options::GpuOptions;
 use crate::passes::{Arguments, Pass};
@@ -46,6 +47,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("BODIES", bodies),
         ("SAMPLES", walls || bodies),
         ("VISCOSITY", parameters.artificial_viscosity > 0.0),
+        ("VISCOUS_WALLS", drags(plan)),
         ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),
     ] {
         if condition {

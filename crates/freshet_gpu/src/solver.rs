@@ -44,6 +44,8 @@ pub(crate) struct Known {
     pub particles: u32,
     pub substep: f32,
     pub carry: f32,
+    /// The GPU's clock when the solver's time was the one that follows from the reports.
+    pub clock: u32,
     /// Wall time of one substep, ms; zero if it was never measured.
     pub milliseconds: f32,
 }
@@ -76,6 +78,8 @@ pub struct GpuSolver {
     pub(crate) generation: u64,
     pub(crate) gravity: Vec3,
     pub(crate) time: f64,
+    /// See [`Snapshot::emitted`](freshet_core::snapshot::Snapshot::emitted); of the ticks encoded.
+    pub(crate) emitted: Option<f64>,
     pub(crate) ticks: u64,
     next_slot: u32,
 }
@@ -126,6 +130,7 @@ impl GpuSolver {
             known: Known::default(),
             generation: 0,
             time: 0.0,
+            emitted: None,
             ticks: 0,
             next_slot: 0,
         };
@@ -148,7 +153,7 @@ impl GpuSolver {
         }
         let slot = self.next_slot;
         self.next_slot = (slot + 1) % TICK_SLOTS as u32;
-        let edits = Edits::of(&input.commands, &mut self.gravity);
+        let edits = Edits::of(&input.commands, &mut self.gravity, (self.time, self.known.clock));
         let bodies = self.plan.bodies.len() as u32;
         let record = TickRecord {
             gravity: self.gravity,
@@ -207,6 +212,7 @@ impl GpuSolver {
         }
         self.known.particles = report.particles;
         self.known.carry = arrival.control.remaining.min(StepInput::MAX_DURATION);
+        self.known.clock = arrival.clock();
         if report.smallest_substep > 0.0 {
             self.known.substep = report.smallest_substep;
         }

@@ -2,9 +2,11 @@
 
 use freshet_core::error::InvalidInput;
 use freshet_core::field::{Field, FieldData};
-use freshet_core::snapshot::{Exchange, Snapshot};
+use freshet_core::snapshot::{BodyPose, Exchange, Snapshot};
 use freshet_core::solver::SolverError;
 use freshet_core::step::{BodyInput, Impulse, StepInput};
+
+use glam::Quat;
 
 use crate::buffers::Buffers;
 use crate::layout::{
@@ -83,6 +85,7 @@ impl GpuSolver {
             tick: self.ticks,
             time: self.time,
             carry: control.remaining.min(StepInput::MAX_DURATION),
+            emitted: self.emitted,
             next_id: control.next_id,
             gravity: self.gravity,
             ids: particles.iter().map(|particle| particle.id).collect(),
@@ -90,6 +93,7 @@ impl GpuSolver {
             velocities: particles.iter().map(|particle| particle.velocity).collect(),
             remaining_lives: particles.iter().map(|particle| particle.remaining_life).collect(),
             exchanges: bodies.iter().map(|body| body.exchanges.map(Exchange::from)).collect(),
+            poses: bodies.iter().map(pose_of).collect(),
         })
     }
 
@@ -111,6 +115,7 @@ impl GpuSolver {
         }
         self.gravity = snapshot.gravity;
         self.time = snapshot.time;
+        self.emitted = snapshot.emitted;
         self.ticks = snapshot.tick;
         let particles: Vec<ParticleRecord> = (0..snapshot.ids.len())
             .map(|index| ParticleRecord {
@@ -120,22 +125,35 @@ impl GpuSolver {
                 remaining_life: snapshot.remaining_lives[index],
             })
             .collect();
-        let control = StepControl { next_id: snapshot.next_id, remaining: snapshot.carry, ..Default::default() };
+        // A tick that covered nothing of what it was asked to.
+        let (asked, remaining) = (snapshot.carry, snapshot.carry);
+        let control = StepControl { next_id: snapshot.next_id, asked, remaining, ..Default::default() };
         self.upload_state(&particles, control);
         self.known.carry = snapshot.carry;
-        self.upload_exchanges(&snapshot.exchanges)
+        self.upload_bodies(snapshot)
     }
 
-    /// Writes what the bodies' engines have not heard of; bodies that the snapshot does not know have none.
-    fn upload_exchanges(&mut self, exchanges: &[[Exchange; 4]]) -> Result<(), SolverError> {
+    /// Writes what the bodies' engines have not heard of, and where the bodies were left.
+    fn upload_bodies(&mut self, snapshot: &Snapshot) -> Result<(), SolverError> {
         let mut bodies = self.download::<BodyRecord>(Binding::Bodies, self.plan.bodies.len())?;
         for (index, body) in bodies.iter_mut().enumerate() {
-            let known = exchanges.get(index).copied().unwrap_or_default();
+            let known = snapshot.exchanges.get(index).copied().unwrap_or_default();
             body.exchanges = known.map(ExchangeRecord::from);
+            let left = snapshot.poses.get(index).copied().flatten();
+            body.is_placed = u32::from(left.is_some());
+            if let Some(BodyPose { position, rotation }) = left {
+                body.position = position;
+                body.rotation = rotation.to_array();
+            }
         }
         self.buffers.write(&self.queue, Binding::Bodies, &bodies);
         Ok(())
     }
+}
+
+fn pose_of(body: &BodyRecord) -> Option<BodyPose> {
+    let pose = BodyPose { position: body.position, rotation: Quat::from_array(body.rotation) };
+    (body.is_placed != 0).then_some(pose)
 }
 
 impl From<ExchangeRecord> for Exchange {

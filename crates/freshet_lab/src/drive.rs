@@ -135,6 +135,7 @@ impl Drive {
         let start = Instant::now();
         let report = self.solver.step(&input)?;
         let wall = start.elapsed();
+        self.clock.hear(&report);
         let rest_density = self.solver.plan().parameters.rest_density;
         let compression = mean_compression(&self.scalars(Field::Density)?, rest_density);
         self.account.add(&report, wall, compression);

@@ -12,6 +12,8 @@ use bevy::prelude::*;
 pub struct FluidBoundary {
     /// Its shape.
     pub shape: FluidBoundaryShape,
+    /// Faces that drag the fluid along: -x, +x, -y, +y, -z, +z; of a plane +y counts. Along the others it slips freely.
+    pub viscous_faces: [bool; 6],
 }
 
 /// Shape of a [`FluidBoundary`].
@@ -31,6 +33,11 @@ pub enum FluidBoundaryShape {
 }
 
 impl FluidBoundary {
+    /// A shape all of whose faces drag the fluid along.
+    pub fn new(shape: FluidBoundaryShape) -> Self {
+        Self { shape, viscous_faces: [true; 6] }
+    }
+
     /// A solid box of these edge lengths, m.
     pub fn cuboid(x: f32, y: f32, z: f32) -> Self {
         Cuboid::new(x, y, z).into()
@@ -38,12 +45,12 @@ impl FluidBoundary {
 
     /// A rectangle of these edge lengths along its local x and z axes, m, with the fluid above it (local +y).
     pub fn plane(x: f32, z: f32) -> Self {
-        Self { shape: FluidBoundaryShape::Plane { half_size: Vec2::new(x, z) / 2.0 } }
+        Self::new(FluidBoundaryShape::Plane { half_size: Vec2::new(x, z) / 2.0 })
     }
 }
 
 impl From<Cuboid> for FluidBoundary {
     fn from(cuboid: Cuboid) -> Self {
-        Self { shape: FluidBoundaryShape::Cuboid { half_size: cuboid.half_size } }
+        Self::new(FluidBoundaryShape::Cuboid { half_size: cuboid.half_size })
     }
 }

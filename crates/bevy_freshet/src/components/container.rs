@@ -13,6 +13,8 @@ pub struct FluidContainer {
     pub size: Vec3,
     /// Which faces are missing: -x, +x, -y, +y, -z, +z. At least one must be there.
     pub open: [bool; 6],
+    /// Faces that drag the fluid along: -x, +x, -y, +y, -z, +z. Along the others it slips freely.
+    pub viscous_faces: [bool; 6],
     /// Whether it is a rapier collider too.
     pub collider: bool,
 }
@@ -20,11 +22,12 @@ pub struct FluidContainer {
 impl FluidContainer {
     /// A box without a lid, of these inner edge lengths in metres.
     pub fn open_box(x: f32, y: f32, z: f32) -> Self {
-        Self { size: Vec3::new(x, y, z), open: [false, false, false, true, false, false], collider: true }
+        let open = [false, false, false, true, false, false];
+        Self { open, ..Self::closed_box(x, y, z) }
     }
 
     /// A box with all six walls, of these inner edge lengths in metres.
     pub fn closed_box(x: f32, y: f32, z: f32) -> Self {
-        Self { size: Vec3::new(x, y, z), open: [false; 6], collider: true }
+        Self { size: Vec3::new(x, y, z), open: [false; 6], viscous_faces: [true; 6], collider: true }
     }
 }

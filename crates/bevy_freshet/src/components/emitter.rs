@@ -13,7 +13,8 @@ use super::material::Fluid;
 pub struct FluidEmitter {
     /// Radius of the disc, m, 1e-5 to 1e4.
     pub radius: f32,
-    /// Speed of the flow, m/s, 1e-3 to 1e3. The flow is `pi radius^2 speed`.
+    /// Speed of the flow, m/s, 1e-3 to 1e3. The flow is `pi radius^2 speed` of simulated time, whatever the spacing; a disc
+    /// narrower than a particle drips.
     pub speed: f32,
     /// Time after which a particle is retired, s, more than 0; infinite for ever, which needs
     /// [`FluidDomain::max_particles`](super::domain::FluidDomain::max_particles).

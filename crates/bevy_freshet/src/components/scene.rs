@@ -80,17 +80,19 @@ impl FluidSceneCommands for Commands<'_, '_> {
         }
         for boundary in &scene.boundaries {
             let pose = Transform::from_translation(boundary.center).with_rotation(boundary.rotation);
+            let viscous_faces = boundary.viscous_faces;
             let mut entity = self.spawn((pose, member()));
             match boundary.shape {
                 BoundaryShape::Container { half_extents, open } => {
-                    entity.insert(FluidContainer { size: 2.0 * half_extents, open, collider: true });
+                    entity.insert(FluidContainer { size: 2.0 * half_extents, open, viscous_faces, collider: true });
                 }
                 BoundaryShape::Box { half_extents } => {
-                    entity.insert(FluidBoundary { shape: FluidBoundaryShape::Cuboid { half_size: half_extents } });
+                    let shape = FluidBoundaryShape::Cuboid { half_size: half_extents };
+                    entity.insert(FluidBoundary { shape, viscous_faces });
                 }
                 BoundaryShape::Plane { half_extents } => {
-                    let half_size = half_extents.into();
-                    entity.insert(FluidBoundary { shape: FluidBoundaryShape::Plane { half_size } });
+                    let shape = FluidBoundaryShape::Plane { half_size: half_extents.into() };
+                    entity.insert(FluidBoundary { shape, viscous_faces });
                 }
             }
         }

@@ -31,8 +31,8 @@ pub struct FluidSettings {
     pub force_factor: f32,
     /// Substep over `h^2 / nu`, 0.01 to 1.
     pub viscous_factor: f32,
-    /// Where particles may be, lower and upper corner in the domain's frame, m; outside they are removed. None: four
-    /// times the size of fluid and walls around them.
+    /// Where particles may be, lower and upper corner in the domain's frame, m; those that leave are removed, and volumes must
+    /// lie inside. None: four times the size of fluid and walls around them.
     pub bounds: Option<(Vec3, Vec3)>,
 }
 

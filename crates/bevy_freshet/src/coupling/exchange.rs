@@ -58,7 +58,7 @@ pub(crate) fn begin_tick(
                 Some(body.begin_tick(state.tick, &view))
             };
             let input = match begin() {
-                Some(Ok(input)) => to_domain(without_false_corrections(input, state.tick), state.frame),
+                Some(Ok(input)) => to_domain(input, state.frame),
                 Some(Err(error)) => {
                     fail(&mut commands, entity, error);
                     coupling.bodies.remove(&entity);
@@ -130,14 +130,6 @@ fn drive(
             false
         }
     });
-}
-
-/// What a contact or joint makes of an impulse under way, the solver cannot know: it would start the tick with momentum
-/// that the wall has taken, at the place where the body was before, and so shove it into the fluid that has filled the gap.
-/// Measured: a ball on the ground, hit by a dam break, blew the water up to 5000 m/s; without, 9 m/s, as in lockstep.
-/// So the solver takes such a body as rapier has it; what is late is corrected when it is known.
-fn without_false_corrections(input: BodyInput, tick: u64) -> BodyInput {
-    if input.free { input } else { BodyInput { corrected_before: tick, ..input } }
 }
 
 fn fail(commands: &mut Commands, entity: Entity, error: CouplingError) {

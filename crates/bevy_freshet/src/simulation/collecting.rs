@@ -53,6 +53,7 @@ fn absorb(domain: Entity, state: &mut DomainState, stats: &mut FluidStats, outco
 }
 
 fn take_report(state: &mut DomainState, stats: &mut FluidStats, report: &StepReport, milliseconds: f32) {
+    state.clock.hear(report);
     let removals = state.pours.learn(report);
     state.commands.extend(removals);
     while let Some(sent) = state.sent.pop_front() {

@@ -118,14 +118,14 @@ impl Sources<'_, '_> {
         let mut walls = Vec::new();
         for (entity, container, _) in self.containers.iter().filter(|item| belongs(item.2)) {
             let shape = BoundaryShape::Container { half_extents: container.size / 2.0, open: container.open };
-            gather.wall(entity, "FluidContainer", shape, &mut walls);
+            gather.wall(entity, "FluidContainer", shape, container.viscous_faces, &mut walls);
         }
         for (entity, boundary, _) in self.boundaries.iter().filter(|item| belongs(item.2)) {
             let shape = match boundary.shape {
                 FluidBoundaryShape::Cuboid { half_size } => BoundaryShape::Box { half_extents: half_size },
                 FluidBoundaryShape::Plane { half_size } => BoundaryShape::Plane { half_extents: half_size.to_array() },
             };
-            gather.wall(entity, "FluidBoundary", shape, &mut walls);
+            gather.wall(entity, "FluidBoundary", shape, boundary.viscous_faces, &mut walls);
         }
         // Queries follow archetypes; sorted, the same scene is the same however it was put together.
         walls.sort_by_key(|wall| wall.entity.index_u32());
@@ -162,9 +162,17 @@ impl Gather<'_, '_, '_> {
         }
     }
 
-    fn wall(&mut self, entity: Entity, component: &'static str, shape: BoundaryShape, walls: &mut Vec<Wall>) {
+    fn wall(
+        &mut self,
+        entity: Entity,
+        component: &'static str,
+        shape: BoundaryShape,
+        viscous_faces: [bool; 6],
+        walls: &mut Vec<Wall>,
+    ) {
         if let Some(pose) = self.pose(entity, component) {
-            let boundary = Boundary { shape, center: pose.translation.into(), rotation: pose.rotation };
+            let (center, rotation) = (pose.translation.into(), pose.rotation);
+            let boundary = Boundary { shape, center, rotation, viscous_faces };
             walls.push(Wall { entity, component, boundary });
         }
     }

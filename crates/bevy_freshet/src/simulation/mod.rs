@@ -53,7 +53,6 @@ impl Plugin for FluidSimulationPlugin {
             .init_resource::<state::DefaultGravity>()
             .init_resource::<problems::Problems>()
             .register_required_components::<FluidDomain, state::DomainState>()
-            .register_required_components::<FluidEmitter, ticking::EmitterClock>()
             .add_observer(pours::remove_particles)
             .add_observer(pours::forget_domain)
             .configure_sets(

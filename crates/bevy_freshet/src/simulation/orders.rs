@@ -53,6 +53,7 @@ pub(crate) fn carry_out(
             positions: plan.positions[range.clone()].to_vec(),
             velocities: plan.velocities[range].to_vec(),
             lifetime: f32::INFINITY,
+            at: None,
         }));
     }
     if state.gravity != recipe.gravity {

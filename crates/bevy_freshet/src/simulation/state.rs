@@ -1,9 +1,11 @@
 //! What the plugin remembers of a domain.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 
 use bevy::prelude::*;
+use freshet_core::emitter::EmitterFlow;
 use freshet_core::plan::Plan;
+use freshet_core::run::SimulatedClock;
 use freshet_core::scene::Body;
 use freshet_core::step::{BodyInput, Command, Impulse};
 
@@ -67,6 +69,10 @@ pub(crate) struct DomainState {
     pub(crate) pours: Pours,
     /// Gravity as the solver was last told, m/s2.
     pub(crate) gravity: Vec3,
+    /// Simulated time, as far as it is known.
+    pub(crate) clock: SimulatedClock,
+    /// What each emitter has sent.
+    pub(crate) flows: HashMap<Entity, EmitterFlow>,
     /// From the domain's frame to the world.
     pub(crate) frame: Isometry3d,
     /// For the coming tick, in order.

@@ -1,6 +1,7 @@
 //! Sends the ticks.
 
 use bevy::prelude::*;
+use freshet_core::emitter::EmitterFlow;
 use freshet_core::step::{BodyInput, Command, StepInput};
 
 use super::collecting::wait_for_all;
@@ -11,39 +12,37 @@ use crate::components::emitter::FluidEmitter;
 use crate::components::stats::FluidStats;
 use crate::engine::Order;
 
-/// How long an emitter has been flowing, s: consecutive layers are a spacing apart whatever the ticks are.
-#[derive(Component, Clone, Copy, Default)]
-pub(crate) struct EmitterClock(f64);
-
 /// Sends a tick to every domain that has fluid; in lockstep, waits for it.
 pub(crate) fn send_ticks(
     time: Res<Time>,
     mut domains: Query<(Entity, &mut DomainState, &mut FluidStats)>,
-    mut emitters: Query<(&FluidEmitter, &mut EmitterClock)>,
+    emitters: Query<&FluidEmitter>,
     transforms: TransformHelper,
 ) {
     let duration = time.delta_secs();
     for (entity, mut state, mut stats) in &mut domains {
         let state = &mut *state;
         let (Some(engine), Some(plan), false) = (&mut state.engine, &state.plan, state.stopped) else { continue };
-        for source in state.recipe.iter().flat_map(|recipe| &recipe.sources) {
-            let (Ok((emitter, mut clock)), Ok(pose)) =
-                (emitters.get_mut(source.entity), rigid_frame(&transforms, source.entity))
-            else {
+        // Emitters follow simulated time; where it turns out otherwise than expected, the solver puts the layers right.
+        let span = state.clock.span(duration);
+        let sources = state.recipe.as_ref().map(|recipe| recipe.sources.as_slice()).unwrap_or_default();
+        state.flows.retain(|entity, _| sources.iter().any(|source| source.entity == *entity));
+        for source in sources {
+            let flow = state.flows.entry(source.entity).or_insert_with(|| EmitterFlow::new(span.start));
+            let emitter = emitters.get(source.entity).ok().filter(|emitter| emitter.enabled);
+            let pose = rigid_frame(&transforms, source.entity).ok();
+            let now = emitter.zip(pose).map(|(emitter, pose)| to_emitter(emitter, state.frame.inverse() * pose));
+            // A refused emitter is in the recipe, as it was asked for.
+            let Some(now) = now.filter(|now| now.validate().is_ok()) else {
+                flow.pause(span.end);
                 continue;
             };
-            let emitter_now = to_emitter(emitter, state.frame.inverse() * pose);
-            // A refused emitter is in the recipe, as it was asked for.
-            if !emitter.enabled || emitter_now.validate().is_err() {
-                continue;
-            }
-            let particles = emitter_now.emit(plan.parameters.spacing, clock.0, f64::from(duration));
-            clock.0 += f64::from(duration);
-            if !particles.positions.is_empty() {
-                state.pours.spawn(state.tick, None, particles.positions.len() as u32);
-                state.commands.push(Command::Spawn(particles));
+            for layer in now.layers(plan.parameters.spacing, flow, &span) {
+                state.pours.spawn(state.tick, None, layer.positions.len() as u32);
+                state.commands.push(Command::Spawn(layer));
             }
         }
+        state.clock.send(state.tick, duration);
         // Without the coupling, or for a body it has lost, a body stands still at the origin of its samples.
         let mut bodies = std::mem::take(&mut state.body_inputs);
         bodies.resize(plan.bodies.len(), BodyInput::default());

@@ -1,64 +1,14 @@
-//! Single layers of boundary samples for walls and bodies (Akinci et al. 2012; E 13-16).
+//! Single layers of samples for walls and bodies, half a spacing behind a surface: outside of a tank, inside of a body.
 //!
-//! The samples lie half a spacing behind the visible surface: outside of a wall, inside of a body. The nearest fluid, half a
-//! spacing in front of it, is then one spacing from the samples, as it is from its own kind, and the visible surface is where
-//! the fluid appears to end. Samples on the surface itself make that fluid 51 to 57 % too dense (METHODS, "Boundaries").
-//!
-//! What a sample weighs follows from how its neighbours lie: see [`super::volume_weights`].
+//! How deep a layer has to lie behind the face that the fluid touches, and what it has to weigh, is decided in
+//! [`super::wall_layer`], which moves the surface that it gives to these functions: scenes use [`WallLayer`](super::wall_layer::WallLayer).
 
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use serde::{Deserialize, Serialize};
 
-use super::volume_weights::{plane_gamma, volume_weights};
 use super::{ROUNDING, check_count, check_extent, check_half_extents, check_spacing, too_thin};
 use crate::error::{InvalidInput, check_finite};
-use crate::kernel::{Kernel, KernelKind};
-
-/// The samples of one boundary with their volumes, the two lists of equal length.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct BoundarySamples {
-    /// Positions in metres.
-    pub positions: Vec<Vec3>,
-    /// The volume `V_b` in m3 that each sample adds to a density sum: it counts as a mass `rho0 V_b` of the fluid it touches.
-    pub volumes: Vec<f32>,
-}
-
-impl BoundarySamples {
-    /// Weighs the samples of one boundary so that fluid of that `spacing` (metres) has its rest density next to a plane.
-    ///
-    /// # Errors
-    /// If the spacing is not within 1e-6..=1e4 m, or the kernel is [`KernelKind::Viscosity`], which is infinite at the sample
-    /// itself.
-    pub fn new(positions: Vec<Vec3>, kernel: &Kernel, spacing: f32) -> Result<Self, InvalidInput> {
-        check_spacing(spacing)?;
-        if kernel.kind() == KernelKind::Viscosity {
-            return Err(InvalidInput::new("kernel", kernel.kind().name(), "a kernel that is finite at r = 0"));
-        }
-        let volumes = volume_weights(&positions, kernel, plane_gamma(kernel, spacing));
-        Ok(Self { positions, volumes })
-    }
-}
-
-/// On which side of a shape's surface the fluid is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Side {
-    /// Fluid inside of the shape: a tank.
-    Inside,
-    /// Fluid outside of the shape: a body.
-    Outside,
-}
-
-impl Side {
-    /// How far the layer of samples lies outside of the shape's surface, in metres: `spacing / 2`, negative for a body.
-    pub fn layer_offset(self, spacing: f32) -> f32 {
-        match self {
-            Side::Inside => 0.5 * spacing,
-            Side::Outside => -0.5 * spacing,
-        }
-    }
-}
 
 /// Samples the walls of a box-shaped tank, centred at the origin, with the fluid inside.
 ///

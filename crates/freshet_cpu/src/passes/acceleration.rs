@@ -1,15 +1,17 @@
 //! Stage `acceleration`: pressure, artificial viscosity and gravity.
 //!
-//! `a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k P_a F x_ak ]`; `Pi_ab` after Monaghan 1992 with
-//! beta = 0, for pairs that part as for pairs that approach (Monaghan 2005, section 8: a Newtonian viscosity). Walls and bodies act through the density they add (Akinci et al. 2012) and slip freely.
+//! `a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k (P_a + Pi_ak) F x_ak ]`; `Pi_ab` after Monaghan 1992
+//! with beta = 0, for pairs that part as for pairs that approach (Monaghan 2005, section 8: a Newtonian viscosity). Walls and
+//! bodies act through the density they add (Akinci et al. 2012). `Pi_ak` is that of a particle at rest with the density of `a`,
+//! for samples of viscous faces; elsewhere fluid slips freely.
 
 use freshet_core::grid::Grid;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::lanes::{Sums, divide, far_from, sqrt, sum_vector};
+use crate::lanes::{Sums, divide, sqrt, sum_vector};
 use crate::neighbours::Rows;
-use crate::packed::Packed;
+use crate::packed::{Near, Packed};
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
@@ -85,6 +87,7 @@ impl<K: SimdKernel, const VISCOUS: bool> WithSimd for Typed<'_, K, VISCOUS> {
         let Task { inputs, chunk, acceleration: [ax, ay, az] } = self.0;
         let ([x, y, z], [vx, vy, vz]) = (&inputs.particles.position, &inputs.particles.velocity);
         let mut calm = Packed::<4>::new();
+        let mut dragging = Packed::<5>::new();
         let mut viscous = Packed::<8>::new();
         let mut sums = Sums::default();
         let pairs = Pairs::new(simd, &inputs);
@@ -94,23 +97,29 @@ impl<K: SimdKernel, const VISCOUS: bool> WithSimd for Typed<'_, K, VISCOUS> {
             if range.is_empty() {
                 continue;
             }
-            let [fx, fy, fz] = far_from(inputs.particles.position_of(range.start), inputs.grid.cell_size);
+            let near = Near::around([x, y, z], range.clone(), inputs.grid.cell_size);
             let own = Own::new(&inputs, &range);
             let (sums, _) = sums.zeroed::<S>(3 * range.len()).as_chunks_mut::<3>();
             let rows = Rows::around(inputs.grid, inputs.starts, cell);
             if VISCOUS {
                 let sources = [x, y, z, inputs.pressure_term, vx, vy, vz, inputs.density];
-                viscous.pack(simd, &rows, sources, [fx, fy, fz, 0.0, 0.0, 0.0, 0.0, 1.0]);
+                viscous.pack(simd, &rows, &near, sources);
                 add_viscous_fluid::<S, K>(simd, pairs, own, &viscous, sums);
             } else {
-                calm.pack(simd, &rows, [x, y, z, inputs.pressure_term], [fx, fy, fz, 0.0]);
+                calm.pack(simd, &rows, &near, [x, y, z, inputs.pressure_term]);
                 add_fluid::<S, K>(simd, pairs, own, &calm, sums);
             }
             for samples in inputs.samples {
                 let rows = Rows::around(inputs.grid, &samples.starts, cell);
-                if !rows.is_empty() {
-                    let [x, y, z] = &samples.position;
-                    calm.pack(simd, &rows, [x, y, z, &samples.volume], [fx, fy, fz, 0.0]);
+                if rows.is_empty() {
+                    continue;
+                }
+                let [x, y, z] = &samples.position;
+                if VISCOUS && samples.drags() {
+                    dragging.pack(simd, &rows, &near, [x, y, z, &samples.volume, &samples.viscous_volume]);
+                    add_viscous_samples::<S, K>(simd, pairs, own, &dragging, sums);
+                } else {
+                    calm.pack(simd, &rows, &near, [x, y, z, &samples.volume]);
                     add_samples::<S, K>(simd, pairs, own, &calm, sums);
                 }
             }
@@ -222,6 +231,37 @@ fn add_samples<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: 
             let (difference, squared) = difference(simd, position, [x, y, z]);
             let pressure = simd.mul_f32s(weight, simd.splat_f32s(own_term));
             add(simd, sum, simd.mul_f32s(pressure, pairs.slope::<K>(simd, squared)), difference);
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// `-rho0 A/(G H^5) sum_k V_k (P_a + Pi_ak) f'(q)/q x_ak` over walls that do not move, for each of a cell's particles.
+#[inline(always)]
+fn add_viscous_samples<S: Simd, K: SimdKernel>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: Own,
+    all: &Packed<5>,
+    sums: &mut [[S::f32s; 3]],
+) {
+    let [vx, vy, vz] = own.velocity;
+    let mut first = 0;
+    while first < all.len() {
+        let [x, y, z, volume, viscous_volume] = all.lanes::<S>(first);
+        let weight = simd.mul_f32s(pairs.sample_factor, volume);
+        let viscous_weight = simd.mul_f32s(simd.mul_f32s(pairs.sample_factor, viscous_volume), pairs.viscosity);
+        let motions = vx.iter().zip(vy).zip(vz).zip(own.density);
+        for ((sum, position, own_term), (((&u, &v), &w), &own_density)) in own.with(sums).zip(motions) {
+            let ([dx, dy, dz], squared) = difference(simd, position, [x, y, z]);
+            let approach = simd.mul_f32s(simd.splat_f32s(u), dx);
+            let approach = simd.mul_add_f32s(simd.splat_f32s(v), dy, approach);
+            let approach = simd.mul_add_f32s(simd.splat_f32s(w), dz, approach);
+            let divisor = simd.mul_f32s(simd.add_f32s(squared, pairs.softening), simd.splat_f32s(2.0 * own_density));
+            let drag = divide(simd, simd.mul_f32s(viscous_weight, approach), divisor);
+            let pressure = simd.mul_f32s(weight, simd.splat_f32s(own_term));
+            let slope = pairs.slope::<K>(simd, squared);
+            add(simd, sum, simd.mul_f32s(simd.sub_f32s(pressure, drag), slope), [dx, dy, dz]);
         }
         first += S::F32_LANES;
     }

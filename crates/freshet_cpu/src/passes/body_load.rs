@@ -6,9 +6,9 @@ use freshet_core::grid::Grid;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::lanes::{far_from, sqrt, sum_vector};
+use crate::lanes::{sqrt, sum_vector};
 use crate::neighbours::Rows;
-use crate::packed::Packed;
+use crate::packed::{Near, Packed};
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
@@ -59,9 +59,11 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
             let at = task.samples.position_of(slot);
             let cell = task.grid.index(task.grid.coordinates(at)) as usize;
             if packed_cell != Some(cell) {
-                let [fx, fy, fz] = far_from(at, task.grid.cell_size);
                 let rows = Rows::around(task.grid, task.starts, cell);
-                candidates.pack(simd, &rows, [x, y, z, task.pressure_term], [fx, fy, fz, 0.0]);
+                let [sx, sy, sz] = &task.samples.position;
+                let sharing = task.samples.starts[cell] as usize..task.samples.starts[cell + 1] as usize;
+                let near = Near::around([sx, sy, sz], sharing, task.grid.cell_size);
+                candidates.pack(simd, &rows, &near, [x, y, z, task.pressure_term]);
                 packed_cell = Some(cell);
             }
             let sum = sum_around::<S, K>(simd, &candidates, at, 1.0 / task.grid.cell_size);

@@ -1,6 +1,7 @@
 //! Stage `body_motion`: bodies move by the fluid's force within the tick.
 
-use freshet_core::snapshot::Exchange;
+use freshet_core::plan::Parameters;
+use freshet_core::snapshot::{BodyPose, Exchange};
 use freshet_core::step::{BodyInput, Impulse};
 use glam::{Mat3, Quat, Vec3};
 
@@ -21,6 +22,10 @@ pub struct MovingBody {
     pub inverse_inertia: Mat3,
     /// m/s2, from everything but the fluid.
     pub acceleration: Vec3,
+    /// Velocity that takes the body in this tick from where the last one left it to where it should be, m/s.
+    pub drift: Vec3,
+    /// The same for its orientation, rad/s, world axes.
+    pub turn: Vec3,
     /// What the fluid gave in this tick so far.
     pub impulse: Impulse,
 }
@@ -36,6 +41,8 @@ impl MovingBody {
             inverse_mass: input.inverse_mass,
             inverse_inertia: input.inverse_inertia,
             acceleration: input.acceleration,
+            drift: Vec3::ZERO,
+            turn: Vec3::ZERO,
             impulse: Impulse::default(),
         };
         for exchange in exchanges {
@@ -56,14 +63,44 @@ impl MovingBody {
         body
     }
 
+    /// Lets the body start from `left`, where the last tick left it, and drift to its place within `duration` seconds, no
+    /// faster than the flow is expected to be. From beyond [`Parameters::body_reach`] it jumps.
+    ///
+    /// What contacts and joints do to a body the solver learns a tick later. A body that jumped there would find fluid where it
+    /// had made room for itself a moment ago.
+    pub fn continue_from(&mut self, left: &BodyPose, duration: f32, parameters: &Parameters) {
+        let (limit, reach) = (parameters.expected_speed, parameters.body_reach());
+        let away = self.position - left.position;
+        if duration <= 0.0 || away.length() > reach {
+            return;
+        }
+        let turned = (self.rotation * left.rotation.conjugate()).normalize();
+        // The shorter way round.
+        let turned = if turned.w < 0.0 { -turned } else { turned };
+        self.drift = (away / duration).clamp_length_max(limit);
+        self.turn = (turned.to_scaled_axis() / duration).clamp_length_max(limit / reach);
+        self.position = left.position;
+        self.rotation = left.rotation;
+    }
+
+    /// Speed of its centre, m/s.
+    pub fn speed(&self) -> f32 {
+        (self.linear_velocity + self.drift).length()
+    }
+
+    /// Where it is.
+    pub fn pose(&self) -> BodyPose {
+        BodyPose { position: self.position, rotation: self.rotation }
+    }
+
     /// Moves by `force` (N) and `torque` (N m) over `dt` seconds, velocities first.
     pub fn advance(&mut self, force: Vec3, torque: Vec3, dt: f32) {
         self.impulse.linear += force * dt;
         self.impulse.angular += torque * dt;
         self.linear_velocity += dt * (force * self.inverse_mass + self.acceleration);
         self.angular_velocity += dt * (self.inverse_inertia * torque);
-        self.position += dt * self.linear_velocity;
-        self.rotation = (Quat::from_scaled_axis(self.angular_velocity * dt) * self.rotation).normalize();
+        self.position += dt * (self.linear_velocity + self.drift);
+        self.rotation = (Quat::from_scaled_axis((self.angular_velocity + self.turn) * dt) * self.rotation).normalize();
     }
 }
 

@@ -4,9 +4,9 @@ use freshet_core::equation_of_state::PressureLaw;
 use freshet_core::grid::Grid;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::lanes::{Sums, far_from, sqrt};
+use crate::lanes::{Sums, sqrt};
 use crate::neighbours::Rows;
-use crate::packed::Packed;
+use crate::packed::{Near, Packed};
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
@@ -82,17 +82,17 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
             if range.is_empty() {
                 continue;
             }
-            let far = far_from(inputs.particles.position_of(range.start), inputs.grid.cell_size);
+            let near = Near::around([x, y, z], range.clone(), inputs.grid.cell_size);
             let own = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
             let sums = sums.zeroed::<S>(range.len());
             let rows = Rows::around(inputs.grid, inputs.starts, cell);
-            candidates.pack(simd, &rows, [x, y, z], far);
+            candidates.pack(simd, &rows, &near, [x, y, z]);
             add_fluid::<S, K>(simd, pairs, own, &candidates, sums);
             for samples in inputs.samples {
                 let rows = Rows::around(inputs.grid, &samples.starts, cell);
                 if !rows.is_empty() {
                     let [x, y, z] = &samples.position;
-                    weighted.pack(simd, &rows, [x, y, z, &samples.volume], [far[0], far[1], far[2], 0.0]);
+                    weighted.pack(simd, &rows, &near, [x, y, z, &samples.volume]);
                     add_samples::<S, K>(simd, pairs, own, &weighted, sums);
                 }
             }

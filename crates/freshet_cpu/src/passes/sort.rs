@@ -63,9 +63,16 @@ impl KeyRule {
             dropped.removed += 1;
             return self.trash;
         }
-        let cell = |axis: usize| (position[axis] * self.inverse_cell).floor() as i32 as u32 & self.mask[axis];
+        let cell = |axis: usize| floor(position[axis] * self.inverse_cell) as u32 & self.mask[axis];
         cell(0) | (cell(1) << self.shift[0]) | (cell(2) << self.shift[1])
     }
+}
+
+/// `x.floor() as i32`; without the newer instructions of a processor `f32::floor` is a call.
+#[inline(always)]
+fn floor(x: f32) -> i32 {
+    let toward_zero = x as i32;
+    toward_zero.wrapping_sub(i32::from(x < toward_zero as f32))
 }
 
 impl Sorter {

@@ -202,7 +202,12 @@ fn hits_of_own_row(i: u32) -> u32 { return accelerations[i].own_row; }
             Binding::Slots => "fn slot(i: u32) -> u32 { return slots[i]; }\n",
             Binding::CellCounts => "fn cell_count(i: u32) -> u32 { return atomicLoad(&cell_counts[i]); }\n",
             Binding::CellStarts => "fn cell_start(i: u32) -> u32 { return cell_starts[i]; }\n",
-            Binding::Samples => "fn sample(k: u32) -> vec4<f32> { return samples[k]; }\n",
+            Binding::Samples => {
+                "fn sample_at(k: u32) -> vec3<f32> { return samples[k].xyz; }
+fn sample_weight(k: u32) -> f32 { return abs(samples[k].w); }
+fn sample_viscous_weight(k: u32) -> f32 { return max(-samples[k].w, 0.0); }
+"
+            }
             Binding::Bodies => {
                 "fn body_position(i: u32) -> vec3<f32> { return bodies[i].position; }
 fn body_rotation(i: u32) -> vec4<f32> { return bodies[i].rotation; }
@@ -217,6 +222,9 @@ fn body_first_sample(i: u32) -> u32 { return bodies[i].first_sample; }
 fn body_sample_count(i: u32) -> u32 { return bodies[i].sample_count; }
 fn body_force(i: u32) -> vec3<f32> { return bodies[i].force; }
 fn body_torque(i: u32) -> vec3<f32> { return bodies[i].torque; }
+fn body_is_placed(i: u32) -> bool { return bodies[i].is_placed != 0u; }
+fn body_drift(i: u32) -> vec3<f32> { return bodies[i].drift; }
+fn body_turn(i: u32) -> vec3<f32> { return bodies[i].turn; }
 fn body_exchange(i: u32, slot: u32) -> ExchangeRecord { return bodies[i].exchanges[slot]; }
 "
             }
@@ -237,6 +245,7 @@ fn sample_torque(k: u32) -> vec3<f32> { return sample_loads[k].torque; }
                 "fn spawned_position(i: u32) -> vec3<f32> { return spawned[i].position; }
 fn spawned_velocity(i: u32) -> vec3<f32> { return spawned[i].velocity; }
 fn spawned_life(i: u32) -> f32 { return spawned[i].lifetime; }
+fn spawned_age(i: u32) -> f32 { return spawned[i].age; }
 "
             }
         }
@@ -298,11 +307,13 @@ fn take_from_cell_count(i: u32) -> u32 { return atomicSub(&cell_counts[i], 1u) -
     bodies[i].inertia_y = given.inertia_y;
     bodies[i].inertia_z = given.inertia_z;
     bodies[i].acceleration = given.acceleration;
+    bodies[i].is_placed = 1u;
     bodies[i].impulse_linear = vec3<f32>(0.0);
     bodies[i].impulse_angular = vec3<f32>(0.0);
 }
 fn set_body_pose(i: u32, x: vec3<f32>, q: vec4<f32>) { bodies[i].position = x; bodies[i].rotation = q; }
 fn set_body_velocity(i: u32, v: vec3<f32>, w: vec3<f32>) { bodies[i].linear_velocity = v; bodies[i].angular_velocity = w; }
+fn set_body_drift(i: u32, v: vec3<f32>, w: vec3<f32>) { bodies[i].drift = v; bodies[i].turn = w; }
 fn set_body_load(i: u32, f: vec3<f32>, t: vec3<f32>) { bodies[i].force = f; bodies[i].torque = t; }
 fn set_body_exchange(i: u32, slot: u32, tick_plus_one: vec2<u32>, linear: vec3<f32>, angular: vec3<f32>) {
     bodies[i].exchanges[slot].linear = linear;

@@ -77,10 +77,10 @@ wgsl_struct! {
         body_starts: u32,
         /// Where the totals of blocks begin in the table of starts.
         block_sums: u32,
-        /// Unused.
-        pad_a: u32,
-        /// Unused.
-        pad_b: u32,
+        /// Fastest drift of a body to its place, m/s.
+        expected_speed: f32,
+        /// From further away it jumps, m.
+        body_reach: f32,
         /// Unused.
         pad_c: u32,
     }
@@ -129,8 +129,8 @@ wgsl_struct! {
         compression_low: Atomic,
         /// Its upper half.
         compression_high: Atomic,
-        /// Unused.
-        pad: u32,
+        /// Simulated time before this tick, in units of 2^-24 s, from zero again after 256 s: differences are what counts.
+        clock: u32,
     }
 
     /// What a tick is told.
@@ -163,10 +163,12 @@ wgsl_struct! {
         count: u32,
         /// Most particles there may be.
         capacity: u32,
+        /// 1 if the ages of the particles to spawn count, else 0.
+        timed: u32,
+        /// What the control's clock was when those were their ages.
+        clock: u32,
         /// Unused.
-        pad_a: u32,
-        /// Unused.
-        pad_b: [u32; 2],
+        pad: u32,
     }
 
     /// The state of a particle.
@@ -213,8 +215,8 @@ wgsl_struct! {
         lifetime: f32,
         /// m/s.
         velocity: Vec3,
-        /// Unused.
-        pad: f32,
+        /// Time since it was at its position, s; negative if it will be there.
+        age: f32,
     }
 
     /// A sample of a body, as planned.
@@ -323,8 +325,8 @@ wgsl_struct! {
         sample_count: u32,
         /// First column of the inverse inertia in world axes, kept from the tick's start, 1/(kg m2).
         inertia_x: Vec3,
-        /// Unused.
-        pad_a: u32,
+        /// Whether a tick has left it at `position`.
+        is_placed: u32,
         /// Second column.
         inertia_y: Vec3,
         /// Unused.
@@ -353,6 +355,14 @@ wgsl_struct! {
         impulse_angular: Vec3,
         /// Unused.
         pad_h: u32,
+        /// Velocity from where the last tick left it to where it should be, m/s.
+        drift: Vec3,
+        /// Unused.
+        pad_i: u32,
+        /// The same for its orientation, rad/s.
+        turn: Vec3,
+        /// Unused.
+        pad_j: u32,
         /// The last four ticks, at their number modulo four.
         exchanges: [ExchangeRecord; 4],
     }

@@ -106,7 +106,8 @@ fn fluid_feels_the_samples_of_a_turned_body() {
     let input = BodyInput { position: Vec3::new(0.3, 0.25, 0.2), rotation, ..input };
     let mut samples = walls(&plan);
     let planned = &plan.bodies[0];
-    samples.extend(planned.samples.iter().zip(&planned.volumes).map(|(&s, &v)| (input.position + rotation * s, v)));
+    samples
+        .extend(planned.samples.iter().zip(&planned.volumes).map(|(&s, &v)| (input.position + rotation * s, v, false)));
     // Particles of the start that the ball leaves room for, jittered.
     let positions: Vec<Vec3> = plan
         .positions

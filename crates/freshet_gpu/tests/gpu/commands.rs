@@ -12,6 +12,7 @@ fn cloud(count: usize, corner: Vec3, lifetime: f32) -> Command {
         positions: (0..count).map(place).collect(),
         velocities: vec![Vec3::ZERO; count],
         lifetime,
+        at: None,
     })
 }
 
@@ -70,6 +71,42 @@ fn lifetimes_run_out() {
     let second = solver.step(&tick(2, 0.01)).unwrap();
     assert_eq!(first.retired + second.retired, 8);
     assert_eq!(second.particles, 5);
+}
+
+#[test]
+fn new_particles_are_put_where_they_are_when_the_tick_begins() {
+    let mut solver = solver(&empty(5000));
+    solver.step(&tick(0, 0.25)).unwrap();
+    let new = |x: f32, at| {
+        Command::Spawn(NewParticles {
+            positions: vec![Vec3::X * x],
+            velocities: vec![Vec3::Y * 4.0],
+            lifetime: 1.0,
+            at,
+        })
+    };
+    // Of the 0.25 s of each of these two nothing is known when the commands are given.
+    solver.prepare(&device().queue, &tick(1, 0.25)).unwrap();
+    solver.prepare(&device().queue, &tick(2, 0.25)).unwrap();
+    let commands = vec![new(0.0, None), new(1.0, Some(0.5)), new(2.0, Some(1.0)), new(3.0, None), new(4.0, Some(-2.0))];
+    solver.prepare(&device().queue, &tick_with(3, 0.0, commands)).unwrap();
+    // The last one's time was over when it came.
+    let report = solver.step(&tick(4, 0.0)).unwrap();
+    let late = solver.collect(&device().device).unwrap();
+    assert_eq!((report.particles, late[2].tick, late[2].retired), (4, 3, 1));
+    let state = solver.snapshot().unwrap();
+    let wanted = [Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0), Vec3::new(2.0, -1.0, 0.0), Vec3::X * 3.0];
+    for (index, (position, life)) in wanted.into_iter().zip([1.0, 0.75, 1.25, 1.0]).enumerate() {
+        // The clock counts in 6e-8 s, and the substeps of a tick add up to within rounding.
+        assert!(state.positions[index].distance(position) < 1e-5, "{index}: {}", state.positions[index]);
+        assert!((state.remaining_lives[index] - life).abs() < 1e-5, "{index}: {}", state.remaining_lives[index]);
+    }
+    assert_eq!(state.emitted, Some(1.0));
+    // A restored solver is at the snapshot's time.
+    solver.restore(&state).unwrap();
+    solver.step(&tick_with(5, 0.0, vec![new(5.0, Some(0.75))])).unwrap();
+    let last = *solver.snapshot().unwrap().positions.last().unwrap();
+    assert!(last.distance(Vec3::X * 5.0) < 1e-5, "{last}");
 }
 
 #[test]

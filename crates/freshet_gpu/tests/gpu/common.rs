@@ -26,7 +26,10 @@ pub fn solver(scene: &FluidScene) -> GpuSolver {
 pub fn dam_break(spacing: f32) -> FluidScene {
     FluidScene {
         volumes: vec![Volume::block(Vec3::splat(0.25), Vec3::splat(0.25))],
-        boundaries: vec![Boundary::open_box(Vec3::new(1.0, 0.75, 0.5), Vec3::new(0.5, 0.375, 0.25))],
+        boundaries: vec![
+            Boundary::open_box(Vec3::new(1.0, 0.75, 0.5), Vec3::new(0.5, 0.375, 0.25))
+                .with_viscous_faces([false, true, true, false, false, true]),
+        ],
         ..FluidScene::with_spacing(spacing)
     }
 }

@@ -30,9 +30,12 @@ fn bytes_of_the_schedule_are_the_bytes_allocated() {
         let plan = Plan { max_particles: 5000, ..solver.plan().clone() };
         solver.reconfigure(plan).unwrap();
         let spawn = Command::Spawn(NewParticles {
-            positions: (0..2000).map(|i| Vec3::new(0.0, 1.0 + i as f32, 0.0)).collect(),
+            positions: (0..2000u16)
+                .map(|i| 0.05 * Vec3::from([i % 10, 20 + i / 100, i / 10 % 10].map(f32::from)))
+                .collect(),
             velocities: vec![Vec3::ZERO; 2000],
             lifetime: f32::INFINITY,
+            at: None,
         });
         let bodies = vec![BodyInput::default(); scene.bodies.len()];
         let before = solver.schedule().bytes();

@@ -2,6 +2,7 @@
 //! not what the shaders do.
 
 use freshet_core::kernel::Kernel;
+use freshet_core::plan::PlannedBoundary;
 use freshet_core::prelude::*;
 use glam::DVec3;
 
@@ -15,12 +16,13 @@ pub struct Expected {
     pub magnitude: f64,
 }
 
-/// Samples of boundaries as they are: position and volume weight.
-pub type Samples = Vec<(Vec3, f32)>;
+/// Samples of boundaries as they are: position, volume weight, and whether the fluid's viscosity acts.
+pub type Samples = Vec<(Vec3, f32, bool)>;
 
 /// The walls of a plan.
 pub fn walls(plan: &Plan) -> Samples {
-    plan.boundary.positions.iter().copied().zip(plan.boundary.volumes.iter().copied()).collect()
+    let PlannedBoundary { positions, volumes, viscous } = &plan.boundary;
+    positions.iter().zip(volumes).zip(viscous).map(|((&at, &volume), &viscous)| (at, volume, viscous)).collect()
 }
 
 /// All particles.
@@ -33,7 +35,8 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
         .iter()
         .map(|&a| {
             let fluid: f64 = positions.iter().map(|&b| kernel.value(distance(a, b))).sum();
-            let walls: f64 = samples.iter().map(|&(b, volume)| f64::from(volume) * kernel.value(distance(a, b))).sum();
+            let walls: f64 =
+                samples.iter().map(|&(b, volume, _)| f64::from(volume) * kernel.value(distance(a, b))).sum();
             let density = (mass * fluid + rest * walls) / f64::from(p.density_calibration);
             (density, p.pressure_law.pressure(rest, density))
         })
@@ -41,6 +44,10 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
     let (alpha, sound) = (f64::from(p.artificial_viscosity), f64::from(p.sound_speed));
     let h = f64::from(p.smoothing_length);
     let calibration = f64::from(p.gradient_calibration);
+    let pi = |x: DVec3, v: DVec3, mean_density: f64| {
+        let mu = h * v.dot(x) / (x.length_squared() + 0.01 * h * h);
+        -alpha * sound * mu / mean_density
+    };
     (0..positions.len())
         .map(|a| {
             let (density, pressure) = states[a];
@@ -55,13 +62,13 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                 let x = positions[a].as_dvec3() - positions[b].as_dvec3();
                 let v = velocities[a].as_dvec3() - velocities[b].as_dvec3();
                 let (other_density, other_pressure) = states[b];
-                let approach = v.dot(x);
-                let mu = h * approach / (x.length_squared() + 0.01 * h * h);
-                let viscous = -alpha * sound * mu / (0.5 * (density + other_density));
+                let viscous = pi(x, v, 0.5 * (density + other_density));
                 add(mass * (term + other_pressure / (other_density * other_density) + viscous), x);
             }
-            for &(b, volume) in samples {
-                add(rest * f64::from(volume) * term, positions[a].as_dvec3() - b.as_dvec3());
+            for &(b, volume, viscous) in samples {
+                let x = positions[a].as_dvec3() - b.as_dvec3();
+                let drag = if viscous { pi(x, velocities[a].as_dvec3(), density) } else { 0.0 };
+                add(rest * f64::from(volume) * (term + drag), x);
             }
             Expected { density, pressure, acceleration: p.gravity.as_dvec3() + sum, magnitude }
         })

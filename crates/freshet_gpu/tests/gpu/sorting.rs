@@ -52,6 +52,7 @@ fn what_is_not_finite_or_out_of_bounds_is_removed_and_counted() {
         positions: vec![outside, Vec3::new(0.7, 0.5, 0.25), Vec3::new(0.72, 0.5, 0.25)],
         velocities: vec![Vec3::ZERO, Vec3::splat(3e38), Vec3::splat(-3e38)],
         lifetime: f32::INFINITY,
+        at: None,
     });
     let report = solver.step(&tick_with(0, 1.0 / 60.0, vec![flung])).unwrap();
     assert_eq!((report.removed, report.particles), (3, 1000), "{report:?}");

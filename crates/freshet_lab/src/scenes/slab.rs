@@ -11,6 +11,9 @@ pub const DEPTH_IN_SPACINGS: usize = 10;
 /// Height of the walls over the column's. Nothing rises above the column before the front meets the far wall.
 const WALL_HEIGHT: f64 = 1.25;
 
+/// The sides stand for water that goes on: fluid slips along them freely.
+const ALL_BUT_THE_SIDES: [bool; 6] = [true, true, true, true, false, false];
+
 /// The experiment with `resolution` particles along its width `a`. The back wall's face is at x = 0, the floor at y = 0.
 pub fn scene(experiment: &DamBreakExperiment, resolution: u32) -> FluidScene {
     let spacing = experiment.width / f64::from(resolution);
@@ -20,7 +23,7 @@ pub fn scene(experiment: &DamBreakExperiment, resolution: u32) -> FluidScene {
     FluidScene {
         name: format!("{} a/d = {resolution}", experiment.name),
         volumes: vec![Volume::block(column / 2.0, column / 2.0)],
-        boundaries: vec![Boundary::open_box(tank, tank / 2.0)],
+        boundaries: vec![Boundary::open_box(tank, tank / 2.0).with_viscous_faces(ALL_BUT_THE_SIDES)],
         ..FluidScene::with_spacing(spacing as f32)
     }
 }

@@ -86,6 +86,7 @@ pub fn simulate(
         let mut input = clock.next(solver.plan(), TICK, bodies);
         input.commands.append(&mut carve);
         let report = solver.step(&input)?;
+        clock.hear(&report);
         run.account(&report);
         let impulse = report.bodies.first().map_or(Vec3::ZERO, |impulse| impulse.linear);
         late.push_back(report);

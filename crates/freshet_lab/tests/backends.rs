@@ -1,0 +1,216 @@
+//! The CPU solver against the GPU solver, stage by stage from the same states, and after many steps.
+
+use freshet_core::prelude::*;
+use freshet_cpu::{CpuOptions, CpuSolver};
+use freshet_gpu::{DeviceRequest, GpuOptions, GpuSolver, open_device};
+use freshet_lab::measure::front::front;
+
+/// Fields of one backend may differ from the other's by so much of the largest value: sums of some thirty terms in single
+/// precision, in another order.
+const TOLERANCE: f64 = 1e-4;
+
+/// Fluid that collapses in an open box with two viscous faces and two free ones, and meets a fixed and a light ball.
+fn scene() -> FluidScene {
+    let mut scene = FluidScene {
+        volumes: vec![Volume::block(Vec3::new(0.25, 0.3, 0.2), Vec3::new(0.25, 0.3, 0.2))],
+        boundaries: vec![
+            Boundary::open_box(Vec3::new(1.0, 0.8, 0.4), Vec3::new(0.5, 0.4, 0.2))
+                .with_viscous_faces([true, false, true, false, false, false]),
+        ],
+        ..FluidScene::with_spacing(0.05)
+    };
+    let samples = scene.wall_layer().unwrap().sphere_surface(RADIUS).unwrap();
+    for name in ["fixed", "light"] {
+        scene.bodies.push(Body { name: name.to_owned(), samples: samples.clone() });
+    }
+    scene
+}
+
+const RADIUS: f32 = 0.12;
+
+fn bodies() -> Vec<BodyInput> {
+    let mass = 300.0 * 4.0 / 3.0 * std::f32::consts::PI * RADIUS.powi(3);
+    let light = BodyInput {
+        position: Vec3::new(0.66, 0.3, 0.22),
+        rotation: Quat::from_rotation_z(0.4),
+        linear_velocity: Vec3::new(-0.3, 0.1, 0.0),
+        angular_velocity: Vec3::new(0.0, 1.0, 2.0),
+        inverse_mass: 1.0 / mass,
+        inverse_inertia: Mat3::IDENTITY * (2.5 / (mass * RADIUS * RADIUS)),
+        acceleration: Vec3::new(0.0, -9.81, 0.0),
+        ..BodyInput::default()
+    };
+    let fixed = BodyInput { position: Vec3::new(0.85, 0.14, 0.15), ..BodyInput::default() };
+    vec![fixed, light]
+}
+
+/// The bodies stand where they are: only the fluid's state differs between the states that are compared.
+fn tick(number: u64, duration: f32) -> StepInput {
+    StepInput { tick: number, duration, bodies: bodies(), ..StepInput::default() }
+}
+
+fn cpu(plan: &Plan) -> CpuSolver {
+    CpuSolver::new(plan.clone(), CpuOptions::default()).unwrap()
+}
+
+fn gpu(plan: &Plan, patch: Option<(&'static str, &'static str)>) -> GpuSolver {
+    let device = open_device(DeviceRequest::default()).unwrap();
+    GpuSolver::new(&device.device, &device.queue, plan.clone(), GpuOptions { patch, ..GpuOptions::default() }).unwrap()
+}
+
+/// The dam break around bodies that stand still at 0, 0.2 and 0.6 s, and its start with every particle off its place and in
+/// motion.
+fn states(plan: &Plan) -> Vec<(&'static str, Snapshot)> {
+    let mut solver = cpu(plan);
+    let mut states = vec![("at 0 s", solver.snapshot().unwrap())];
+    let standing = |body: BodyInput| BodyInput { position: body.position, ..BodyInput::default() };
+    for number in 0..36u64 {
+        let bodies = bodies().into_iter().map(standing).collect();
+        solver.step(&StepInput { bodies, ..tick(number, 1.0 / 60.0) }).unwrap();
+        match number + 1 {
+            12 => states.push(("at 0.2 s", solver.snapshot().unwrap())),
+            36 => states.push(("at 0.6 s", solver.snapshot().unwrap())),
+            _ => {}
+        }
+    }
+    let mut state = 3u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 16_777_216.0 - 0.5
+    };
+    let mut jittered = states[0].1.clone();
+    for (position, velocity) in jittered.positions.iter_mut().zip(&mut jittered.velocities) {
+        *position += 0.2 * plan.parameters.spacing * Vec3::new(random(), random(), random());
+        *velocity = 2.0 * Vec3::new(random(), random(), random());
+    }
+    for life in jittered.remaining_lives.iter_mut().step_by(7) {
+        *life = 1.0 + random();
+    }
+    states.push(("jittered", jittered));
+    states
+}
+
+/// Values in the order of ids, as rows of one, or three, numbers.
+fn rows(solver: &mut dyn FluidSolver, field: Field) -> Vec<[f64; 3]> {
+    let ids = solver.read(Field::Id).unwrap().integers().unwrap();
+    match solver.read(field).unwrap().sorted_by_id(&ids) {
+        FieldData::Integer(values) => values.into_iter().map(|value| [f64::from(value), 0.0, 0.0]).collect(),
+        FieldData::Scalar(values) => values.into_iter().map(|value| [f64::from(value), 0.0, 0.0]).collect(),
+        FieldData::Vector(values) => values.into_iter().map(|value| value.to_array().map(f64::from)).collect(),
+    }
+}
+
+fn compare_fields(plan: &Plan, cpu: &mut CpuSolver, gpu: &mut GpuSolver) -> Result<(), String> {
+    assert_eq!(plan.fields, Field::ALL, "the test knows every field");
+    let stiffness = f64::from(plan.parameters.rest_density) * f64::from(plan.parameters.sound_speed).powi(2);
+    for &field in &plan.fields {
+        let (a, b) = (rows(cpu, field), rows(gpu, field));
+        if a.len() != b.len() || a.is_empty() {
+            return Err(format!("{}: {} and {} values", field.name(), a.len(), b.len()));
+        }
+        // Infinite lives are equal or they are not; the others count.
+        let largest = a.iter().flatten().filter(|value| value.is_finite()).fold(0.0f64, |most, v| most.max(v.abs()));
+        let allowed = match field {
+            Field::Id => 0.0,
+            Field::Pressure => TOLERANCE * stiffness,
+            _ => TOLERANCE * largest,
+        };
+        for (id, (a, b)) in a.iter().zip(&b).enumerate() {
+            let differs = a.iter().zip(b).any(|(a, b)| a != b && ((a - b).abs() > allowed || !(a - b).is_finite()));
+            if differs {
+                return Err(format!("{} of particle {id}: cpu {a:?}, gpu {b:?}, allowed {allowed:e}", field.name()));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Runs the stages on both backends from one state: first without moving anything, then the first of the many substeps of a
+/// long tick, which is as long as the conditions allow.
+fn compare(plan: &Plan, state: &Snapshot, cpu: &mut CpuSolver, gpu: &mut GpuSolver) -> Result<(), String> {
+    assert_eq!(plan.parameters.max_substeps, 1, "the stages are compared, not their consequences");
+    for duration in [0.0, 0.25] {
+        cpu.restore(state).unwrap();
+        gpu.restore(state).unwrap();
+        let input = tick(state.tick, duration);
+        let (a, b) = (cpu.step(&input).unwrap(), gpu.step(&input).unwrap());
+        assert_eq!((a.substeps, b.substeps), (1, 1));
+        // Rounded to a whole part of the tick, of which there are about a thousand.
+        if (a.smallest_substep - b.smallest_substep).abs() > 2e-3 * a.smallest_substep {
+            return Err(format!("step_control: {} s and {} s", a.smallest_substep, b.smallest_substep));
+        }
+        compare_fields(plan, cpu, gpu).map_err(|error| format!("after {duration} s: {error}"))?;
+        for (name, cpu, gpu) in [
+            ("max_compression", a.max_compression, b.max_compression),
+            ("mean_compression", a.mean_compression, b.mean_compression),
+        ] {
+            if (cpu - gpu).abs() > 1e-5 {
+                return Err(format!("{name}: cpu {cpu}, gpu {gpu}"));
+            }
+        }
+        let size = |impulse: &Impulse| impulse.linear.length().max(impulse.angular.length());
+        let largest = a.bodies.iter().map(size).fold(0.0, f32::max);
+        for (body, (&a, &b)) in a.bodies.iter().zip(&b.bodies).enumerate() {
+            if size(&(a - b)) > 1e-4 * largest {
+                return Err(format!("body_load, body {body} after {duration} s: cpu {a:?}, gpu {b:?}"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Also what the comparison is worth: a constant wrong by a little in any stage of the GPU is found.
+#[test]
+fn stages_agree_from_the_same_states_and_a_wrong_constant_in_a_shader_is_found() {
+    let plan = Plan::new(&scene()).unwrap();
+    let states = states(&plan);
+    let mut one_substep = scene();
+    one_substep.settings.max_substeps = 1;
+    let plan = Plan::new(&one_substep).unwrap();
+    let mut cpu = cpu(&plan);
+    let mut right = gpu(&plan, None);
+    for (name, state) in &states {
+        compare(&plan, state, &mut cpu, &mut right).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+    for (from, to) in [
+        ("(4.0 * q + 1.0)", "(4.02 * q + 1.0)"),
+        ("return -20.0 * p", "return -20.1 * p"),
+        ("(square * square * square * ratio - 1.0)", "(square * square * square * ratio - 1.0001)"),
+        ("(2.0 * own.density)", "(2.2 * own.density)"),
+        (
+            "own.viscosity_scale * approach / ((r_squared + own.viscosity_softening) * (own.density + density.x))",
+            "own.viscosity_scale * approach / ((r_squared + 1.3 * own.viscosity_softening) * (own.density + density.x))",
+        ),
+        ("fields::parameters.body_force_scale", "1.01 * fields::parameters.body_force_scale"),
+        ("fields::parameters.courant_factor", "1.01 * fields::parameters.courant_factor"),
+    ] {
+        let mut wrong = gpu(&plan, Some((from, to)));
+        let found = states.iter().any(|(_, state)| compare(&plan, state, &mut cpu, &mut wrong).is_err());
+        assert!(found, "{from} -> {to} went unnoticed");
+    }
+}
+
+/// Particles part ways chaotically; where the water is does not.
+#[test]
+fn after_200_steps_the_water_is_at_the_same_place() {
+    let plan = Plan::new(&scene()).unwrap();
+    let (mut cpu, mut gpu) = (cpu(&plan), gpu(&plan, None));
+    let mut substeps = 0;
+    for number in 0.. {
+        let input = tick(number, 1.0 / 60.0);
+        substeps += cpu.step(&input).unwrap().substeps;
+        gpu.step(&input).unwrap();
+        if substeps >= 200 {
+            break;
+        }
+    }
+    let place = |solver: &mut dyn FluidSolver| {
+        let positions = solver.read(Field::Position).unwrap().vectors().unwrap();
+        let center = positions.iter().map(|position| position.as_dvec3()).sum::<glam::DVec3>() / positions.len() as f64;
+        (center, front(&positions, plan.parameters.spacing).unwrap())
+    };
+    let ((center, front), (gpu_center, gpu_front)) = (place(&mut cpu), place(&mut gpu));
+    assert!(front > 0.55, "the water has moved: {front} m");
+    assert!((center - gpu_center).length() < 0.01 * center.length(), "centre of mass: {center} and {gpu_center} m");
+    assert!((front - gpu_front).abs() < 0.01 * front, "front: {front} and {gpu_front} m");
+}
