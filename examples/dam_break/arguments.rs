@@ -8,6 +8,13 @@ use bevy_freshet::prelude::FluidBackend;
 use clap::Parser;
 use clap::error::ErrorKind;
 
+/// Fewest particles of the tank, about.
+pub const MIN_PARTICLES: u32 = 100;
+/// Most particles of the tank, about.
+pub const MAX_PARTICLES: u32 = 2_000_000;
+/// Fixed ticks in a second without a window.
+pub const TICKS_PER_SECOND: u32 = 60;
+
 /// A column of water collapses in a tank, and two balls float away on it.
 #[derive(Parser, Clone, Debug)]
 #[command(name = "dam_break")]
@@ -15,7 +22,7 @@ pub struct Arguments {
     /// Particles, about: 100 to 2000000.
     #[arg(long, default_value = "12000", value_parser = particles)]
     pub particles: u32,
-    /// Simulated seconds, 0.01 to 600; without a window.
+    /// Simulated seconds, 0.01 to 600, rounded to ticks of 1/60 s; without a window.
     #[arg(long, default_value = "2", value_parser = seconds)]
     pub seconds: f32,
     /// What simulates: auto, gpu or cpu. auto is the GPU where there is a hardware adapter.
@@ -24,7 +31,7 @@ pub struct Arguments {
     /// Writes pictures instead of opening a window. So it does without a display, too.
     #[arg(long)]
     pub headless: bool,
-    /// Pictures for each simulated second, 1 to 60; without a window.
+    /// Pictures for each simulated second, 1 to 60, and one at the end; without a window.
     #[arg(long, default_value = "15", value_parser = pictures)]
     pub pictures: u32,
     /// Folder for pictures, summary and plot.
@@ -53,8 +60,19 @@ impl Arguments {
     /// Whether a window can be opened and is wanted.
     pub fn wants_window(&self) -> bool {
         let is_set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-        let has_display = !cfg!(target_os = "linux") || is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
+        // Bevy is built for X11, which Wayland offers beside its own.
+        let has_display = !cfg!(target_os = "linux") || is_set("DISPLAY");
         has_display && !self.headless
+    }
+
+    /// Makes the folder for what is written; the error is one line.
+    pub fn make_folder(&self) -> Result<(), String> {
+        std::fs::create_dir_all(&self.out).map_err(|error| format!("--out {}: {error}", self.out.display()))
+    }
+
+    /// Ticks to be simulated without a window, at least one.
+    pub fn ticks(&self) -> u32 {
+        (f64::from(self.seconds) * f64::from(TICKS_PER_SECOND)).round().max(1.0) as u32
     }
 }
 
@@ -67,8 +85,8 @@ pub fn refuse(message: &str) -> ExitCode {
 fn particles(text: &str) -> Result<u32, String> {
     text.parse()
         .ok()
-        .filter(|count| (100..=2_000_000).contains(count))
-        .ok_or_else(|| "allowed: 100 to 2000000".to_owned())
+        .filter(|count| (MIN_PARTICLES..=MAX_PARTICLES).contains(count))
+        .ok_or_else(|| format!("allowed: {MIN_PARTICLES} to {MAX_PARTICLES}"))
 }
 
 fn pictures(text: &str) -> Result<u32, String> {

@@ -1,9 +1,11 @@
 //! The keys.
 
+use bevy::input::keyboard::Key;
 use bevy::prelude::*;
 use bevy_freshet::prelude::*;
 
 use crate::stage::{OnStage, Stage, build};
+use crate::trouble::Trouble;
 
 /// What each key does, for the help.
 pub const KEYS: [(&str, &str); 7] = [
@@ -15,6 +17,10 @@ pub const KEYS: [(&str, &str); 7] = [
     ("mouse, WASD, QE", "turn (left), move (right), come closer (wheel)"),
     ("H", "this help"),
 ];
+
+/// The keys that are always shown.
+pub const KEY_LINE: &str =
+    "Space: pause | N: one tick | R: start again | C: colour | + / -: more or fewer particles | H: help";
 
 /// What colours can mean, in the order of the key.
 const COLORINGS: [(FluidField, FluidGradient); 7] = [
@@ -75,20 +81,21 @@ pub fn keys_of_color(
 /// Starts again, with more or fewer particles.
 pub fn keys_of_scene(
     mut commands: Commands,
-    keys: Res<ButtonInput<KeyCode>>,
+    (keys, typed): (Res<ButtonInput<KeyCode>>, Res<ButtonInput<Key>>),
     mut stage: ResMut<Stage>,
+    trouble: Res<Trouble>,
     on_stage: Query<Entity, With<OnStage>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    let more = keys.any_just_pressed([KeyCode::NumpadAdd, KeyCode::Equal]);
-    let fewer = keys.any_just_pressed([KeyCode::NumpadSubtract, KeyCode::Minus]);
-    if more || fewer {
-        let Some(setup) = stage.setup.scaled(if more { 1.5 } else { 1.0 / 1.5 }) else {
-            warn!("the scene comes from a file, which says how many particles there are");
-            return;
-        };
-        stage.setup = setup;
+    if let Some(factor) = wanted_factor(&keys, &typed) {
+        match stage.setup.scaled(factor) {
+            Ok(setup) => stage.setup = setup,
+            Err(message) => {
+                warn!("{message}");
+                return;
+            }
+        }
     } else if !keys.just_pressed(KeyCode::KeyR) {
         return;
     }
@@ -96,6 +103,23 @@ pub fn keys_of_scene(
         commands.entity(entity).despawn();
     }
     if let Err(message) = build(&mut commands, &mut meshes, &mut materials, &stage) {
-        error!("{message}");
+        trouble.note(message);
+    }
+}
+
+/// More or fewer particles: by what is written on the key, and otherwise by where it is on a US keyboard.
+fn wanted_factor(keys: &ButtonInput<KeyCode>, typed: &ButtonInput<Key>) -> Option<f32> {
+    const MORE: f32 = 1.5;
+    let types = |texts: &[&str]| texts.iter().any(|text| typed.just_pressed(Key::Character((*text).into())));
+    if types(&["+", "="]) {
+        Some(MORE)
+    } else if types(&["-", "_"]) {
+        Some(1.0 / MORE)
+    } else if keys.any_just_pressed([KeyCode::NumpadAdd, KeyCode::Equal]) {
+        Some(MORE)
+    } else if keys.any_just_pressed([KeyCode::NumpadSubtract, KeyCode::Minus]) {
+        Some(1.0 / MORE)
+    } else {
+        None
     }
 }

@@ -8,17 +8,15 @@ use freshet_core::run::SceneRun;
 use freshet_core::solver::FluidSolver;
 use freshet_cpu::{CpuOptions, CpuSolver};
 
-use crate::arguments::Arguments;
+use crate::arguments::{Arguments, TICKS_PER_SECOND};
 use crate::front::front;
 use crate::headless::progress;
 use crate::scene::Setup;
 use crate::summary::{Sample, Summary};
 
-const TICKS_PER_SECOND: f32 = 60.0;
-
 /// Simulates and writes the summary. Balls need the app, so there are none.
 pub fn run(arguments: &Arguments, setup: &Setup) -> Result<(), String> {
-    std::fs::create_dir_all(&arguments.out).map_err(|error| format!("{}: {error}", arguments.out.display()))?;
+    arguments.make_folder()?;
     let begin = Instant::now();
     let plan = Plan::new(&setup.scene).map_err(|error| error.to_string())?;
     print!("{plan}");
@@ -31,10 +29,10 @@ pub fn run(arguments: &Arguments, setup: &Setup) -> Result<(), String> {
         least_time_scale: 1.0,
         ..Summary::default()
     };
-    let ticks = (arguments.seconds * TICKS_PER_SECOND).ceil() as u64;
-    let bar = progress(ticks);
+    let ticks = arguments.ticks();
+    let bar = progress(u64::from(ticks));
     for _ in 0..ticks {
-        let input = scene_run.next(&plan, 1.0 / TICKS_PER_SECOND, Vec::new());
+        let input = scene_run.next(&plan, 1.0 / TICKS_PER_SECOND as f32, Vec::new());
         let started = Instant::now();
         let report = solver.step(&input).map_err(|error| error.to_string())?;
         scene_run.hear(&report);

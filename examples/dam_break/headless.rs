@@ -20,17 +20,19 @@ use bevy_freshet::prelude::*;
 use freshet_core::field::FieldData;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::arguments::Arguments;
+use crate::arguments::{Arguments, TICKS_PER_SECOND};
 use crate::camera::Orbit;
 use crate::front::front;
 use crate::scene::Setup;
 use crate::stage::{Stage, build, build_surroundings};
 use crate::summary::{Sample, Summary};
+use crate::trouble::{Trouble, listen};
 
 const SIZE: UVec2 = UVec2::new(1280, 720);
-const TICKS_PER_SECOND: u32 = 60;
 /// Updates until pipelines must be ready; they compile in a few.
 const PATIENCE: u32 = 600;
+/// Updates until the last picture must have come; it is two late.
+const PICTURE_PATIENCE: u32 = 60;
 
 /// What the run has found.
 #[derive(Resource, Default, Clone)]
@@ -57,7 +59,6 @@ pub fn progress(length: u64) -> ProgressBar {
 pub fn run(arguments: &Arguments, setup: Setup) -> Result<(), String> {
     let begin = Instant::now();
     let folder = &arguments.out;
-    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let findings = Findings::default();
     findings.update(|summary| {
         summary.spacing = setup.spacing;
@@ -66,38 +67,58 @@ pub fn run(arguments: &Arguments, setup: Setup) -> Result<(), String> {
     // Waited for, so that drawing does not take the cores from the solver whose time is measured.
     let stage =
         Stage { setup, backend: arguments.backend, mode: FluidMode::Lockstep, coloring: FluidColoring::default() };
-    let mut app = app(stage, findings.clone());
+    let trouble = Trouble::default();
+    let mut app = app(stage, findings.clone(), trouble.clone());
     let adapter = app.world().get_resource::<RenderAdapterInfo>().map(|info| info.name.clone());
     findings.update(|summary| summary.adapter = adapter.unwrap_or_default());
 
-    let pictures = (arguments.seconds * arguments.pictures as f32).round().max(1.0) as u32;
-    let bar = progress(u64::from(pictures));
+    let pictures = picture_ticks(arguments.ticks(), arguments.pictures);
+    let bar = progress(pictures.len() as u64);
     wait_for_pipelines(&mut app)?;
-    let mut due = 0;
-    for picture in 0..=pictures {
-        // Ticks until this picture's time; the fluid is there from the first tick on.
-        let ticks = (picture * TICKS_PER_SECOND / arguments.pictures).max(1);
-        app.insert_resource(TimeUpdateStrategy::FixedTimesteps(ticks - due));
-        due = ticks;
+    if trouble.result().is_err() {
+        // Without the scene there is nothing to draw.
+        return trouble.result();
+    }
+    let mut done = 0;
+    for (picture, &ticks) in pictures.iter().enumerate() {
+        app.insert_resource(TimeUpdateStrategy::FixedTimesteps(ticks - done));
+        done = ticks;
         shoot(&mut app, folder.join(format!("frame_{picture:04}.png")));
         update(&mut app)?;
-        bar.set_position(u64::from(picture));
+        bar.inc(1);
         bar.set_message(
             findings.update(|summary| format!("{} particles, {:.2} s", summary.particles, summary.simulated)),
         );
     }
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(0));
-    for _ in 0..3 {
-        // Screenshots come two updates late.
+    for _ in 0..PICTURE_PATIENCE {
         update(&mut app)?;
+        if findings.update(|summary| summary.pictures as usize == pictures.len()) || trouble.result().is_err() {
+            break;
+        }
     }
     bar.finish_and_clear();
     let mut summary = findings.update(|summary| summary.clone());
     summary.wall = begin.elapsed().as_secs_f64();
-    summary.write(folder)
+    summary.write(folder)?;
+    trouble.result()?;
+    let missing = pictures.len() - summary.pictures as usize;
+    if missing > 0 {
+        return Err(format!("{}: {missing} of {} pictures are missing", folder.display(), pictures.len()));
+    }
+    Ok(())
 }
 
-fn app(stage: Stage, findings: Findings) -> App {
+/// At which ticks there are pictures: one at the start (the fluid is there from the first tick on), and one at the end.
+fn picture_ticks(ticks: u32, pictures_per_second: u32) -> Vec<u32> {
+    let regular = (0..).map(|picture| (picture * TICKS_PER_SECOND / pictures_per_second).max(1));
+    let mut pictures: Vec<u32> = regular.take_while(|tick| *tick < ticks).collect();
+    pictures.push(ticks);
+    pictures.dedup();
+    pictures
+}
+
+fn app(stage: Stage, findings: Findings, trouble: Trouble) -> App {
     let mut app = App::new();
     app.add_plugins(
         DefaultPlugins
@@ -112,8 +133,10 @@ fn app(stage: Stage, findings: Findings) -> App {
     .insert_resource(TimeUpdateStrategy::FixedTimesteps(0))
     .insert_resource(stage)
     .insert_resource(findings)
+    .insert_resource(trouble)
     .add_systems(Startup, (set_up, build_surroundings))
     .add_systems(FixedUpdate, note_figures.after(FreshetSystems::Step))
+    .add_systems(Last, listen)
     .add_observer(note_front);
     while app.plugins_state() == PluginsState::Adding {
         std::thread::sleep(Duration::from_millis(1));
@@ -129,6 +152,7 @@ fn set_up(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     stage: Res<Stage>,
+    trouble: Res<Trouble>,
 ) {
     let canvas = images.add(Image::new_target_texture(SIZE.x, SIZE.y, TextureFormat::Rgba8UnormSrgb, None));
     let orbit = Orbit::around(&stage.setup);
@@ -138,7 +162,7 @@ fn set_up(
         Ok(domain) => {
             commands.entity(domain).insert(FluidReadback::new([FluidField::Position]));
         }
-        Err(message) => error!("{message}"),
+        Err(message) => trouble.note(message),
     }
 }
 
@@ -178,9 +202,12 @@ fn wait_for_pipelines(app: &mut App) -> Result<(), String> {
 fn shoot(app: &mut App, path: PathBuf) {
     let canvas = app.world().resource::<Canvas>().0.clone();
     app.world_mut().spawn(Screenshot::image(canvas)).observe(
-        move |captured: On<ScreenshotCaptured>, findings: Res<Findings>| match save(&captured.image, &path) {
+        move |captured: On<ScreenshotCaptured>, findings: Res<Findings>, trouble: Res<Trouble>| match save(
+            &captured.image,
+            &path,
+        ) {
             Ok(()) => findings.update(|summary| summary.pictures += 1),
-            Err(message) => error!("{}: {message}", path.display()),
+            Err(message) => trouble.note(format!("{}: {message}", path.display())),
         },
     );
 }

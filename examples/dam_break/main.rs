@@ -14,6 +14,7 @@ mod plot;
 mod scene;
 mod stage;
 mod summary;
+mod trouble;
 mod window;
 
 use std::process::ExitCode;
@@ -30,6 +31,10 @@ fn main() -> ExitCode {
         Ok(setup) => setup,
         Err(message) => return arguments::refuse(&message),
     };
+    let wants_window = arguments.wants_window();
+    if !wants_window && let Err(message) = arguments.make_folder() {
+        return arguments::refuse(&message);
+    }
     // Bevy's renderer gives up the whole app if there is none.
     let adapter = freshet_gpu::open_device(freshet_gpu::DeviceRequest::default());
     let result = match adapter {
@@ -37,10 +42,7 @@ fn main() -> ExitCode {
             eprintln!("no GPU adapter, so no pictures: {error}");
             cpu_only::run(&arguments, &setup)
         }
-        Ok(_) if arguments.wants_window() => {
-            window::run(&arguments, setup);
-            Ok(())
-        }
+        Ok(_) if wants_window => window::run(&arguments, setup),
         Ok(_) => headless::run(&arguments, setup),
     };
     match result {

@@ -4,10 +4,10 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 use bevy_freshet::prelude::*;
 
-use crate::controls::{Help, KEYS};
+use crate::controls::{Help, KEY_LINE, KEYS};
 use crate::stage::Stage;
 
-/// One line at the top, and the help below it.
+/// The keys and a line of figures at the top, and the help below them.
 pub fn show(
     mut contexts: EguiContexts,
     stats: Query<&FluidStats>,
@@ -18,6 +18,10 @@ pub fn show(
     let context = contexts.ctx_mut()?;
     egui::Area::new("figures".into()).fixed_pos((12.0, 10.0)).show(context, |ui| {
         egui::Frame::window(ui.style()).show(ui, |ui| {
+            // As wide as the longest line, not as the first.
+            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+            // Also where there is no fluid.
+            ui.label(KEY_LINE);
             for stats in &stats {
                 ui.label(line(stats, &stage.coloring, time.is_paused()));
             }
@@ -46,7 +50,7 @@ pub fn show(
 
 fn line(stats: &FluidStats, coloring: &FluidColoring, paused: bool) -> String {
     format!(
-        "{}{:?} | {} particles | {:.2} s | {} substeps, {:.1} ms a tick | time x{:.2} | {:.2} m/s | colour: {:?} | H: help",
+        "{}{:?} | {} particles | {:.2} s | {} substeps, {:.1} ms a tick | time x{:.2} | {:.2} m/s | colour: {:?}",
         if paused { "PAUSED | " } else { "" },
         stats.backend,
         stats.particles,

@@ -1,10 +1,15 @@
 //! What is simulated: the tank, or a scene from a file.
 
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
 use bevy::math::{Vec2, Vec3};
 use freshet_core::plan::Plan;
 use freshet_core::scene::{Boundary, BoundaryShape, FluidScene, Resolution, Volume};
+use freshet_core::scene_file::MAX_SCENE_BYTES;
 
-use crate::arguments::Arguments;
+use crate::arguments::{Arguments, MAX_PARTICLES, MIN_PARTICLES};
 
 /// Inner size of the tank, m.
 const TANK: Vec3 = Vec3::new(5.0, 2.4, 2.0);
@@ -43,7 +48,7 @@ impl Setup {
     pub fn new(arguments: &Arguments) -> Result<Self, String> {
         let Some(path) = &arguments.scene else { return Self::tank(arguments.particles) };
         let name = path.display();
-        let text = std::fs::read(path).map_err(|error| format!("{name}: {error}"))?;
+        let text = read_start(path).map_err(|error| format!("{name}: {error}"))?;
         let scene = FluidScene::from_ron_bytes(&text).map_err(|error| format!("{name}: {error}"))?;
         if !scene.bodies.is_empty() {
             return Err(format!(
@@ -95,10 +100,19 @@ impl Setup {
         Ok(Self { scene, balls, bounds, spacing, particles, is_tank })
     }
 
-    /// The same with more or fewer particles; none if it comes from a file.
-    pub fn scaled(&self, factor: f32) -> Option<Self> {
-        let wanted = (self.particles as f32 * factor).clamp(1_000.0, 2_000_000.0) as u32;
-        if self.is_tank { Self::tank(wanted).ok() } else { None }
+    /// The same with more particles (`factor` above 1) or fewer; the error is why there is none.
+    pub fn scaled(&self, factor: f32) -> Result<Self, String> {
+        if !self.is_tank {
+            return Err("the scene comes from a file, which says how many particles there are".to_owned());
+        }
+        let wanted = (self.particles as f32 * factor).clamp(MIN_PARTICLES as f32, MAX_PARTICLES as f32);
+        let scaled = Self::tank(wanted as u32)?;
+        // Whole layers: at either end it may come out the other way.
+        match factor > 1.0 {
+            true if scaled.particles <= self.particles => Err(format!("{} particles are the most", self.particles)),
+            false if scaled.particles >= self.particles => Err(format!("{} particles are the fewest", self.particles)),
+            _ => Ok(scaled),
+        }
     }
 
     /// Inner boxes to be drawn as glass: centre and size, m.
@@ -115,4 +129,11 @@ impl Setup {
         let size = self.bounds.1 - self.bounds.0;
         (self.bounds.0.y, Vec2::new(size.x, size.z))
     }
+}
+
+/// A file as far as it can be a scene: one that is larger, or has no end, is not read whole to be refused.
+fn read_start(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_SCENE_BYTES as u64 + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }

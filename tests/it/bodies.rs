@@ -124,3 +124,87 @@ fn a_ball_hit_by_a_wave_does_not_blow_up_the_fluid() {
         }
     }
 }
+
+fn spawn_ball(test: &mut TestApp, domain: Entity, x: f32) -> Entity {
+    test.spawn((
+        RigidBody::Dynamic,
+        Collider::ball(RADIUS),
+        ColliderMassProperties::Density(500.0),
+        FluidBody::default(),
+        FluidInDomain(domain),
+        Transform::from_xyz(x, 0.7, 0.25),
+    ))
+}
+
+#[test]
+fn rapier_in_another_schedule_is_refused_once() {
+    let mut test = TestApp::with(|app| {
+        // Its default is PostUpdate.
+        app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
+    });
+    let tank = Tank::spawn(&mut test, ALL[0]);
+    test.tick(2);
+    test.expect_no_complaints();
+    let balls = [0.3, 0.7].map(|x| spawn_ball(&mut test, tank.domain, x));
+    test.tick(4);
+    let complaints = test.complaints();
+    assert_eq!(complaints.len(), 1, "{complaints:?}");
+    assert!(balls.contains(&complaints[0].entity) && complaints[0].component == "FluidBody", "{complaints:?}");
+    for word in ["PostUpdate", "FixedUpdate", ".in_fixed_schedule()"] {
+        assert!(complaints[0].message.contains(word), "{complaints:?}");
+    }
+    assert_eq!(test.stats(tank.domain).ticks, 6);
+}
+
+#[test]
+fn the_apps_own_rapier_and_time_step_stay() {
+    let own = TimestepMode::Fixed { dt: 1.0 / 64.0, substeps: 3 };
+    for adds_rapier in [true, false] {
+        let mut test = TestApp::with(|app| {
+            app.insert_resource(own);
+            if adds_rapier {
+                app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule());
+            }
+        });
+        let tank = Tank::spawn(&mut test, ALL[0]);
+        let ball = spawn_ball(&mut test, tank.domain, 0.7);
+        test.tick(4);
+        assert_eq!(*test.world().resource::<TimestepMode>(), own);
+        assert!(test.world().get::<Transform>(ball).is_some_and(|pose| pose.translation.y < 0.699));
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn a_second_default_context_is_said_once_and_the_fluid_goes_on() {
+    let mut test = TestApp::new();
+    let tank = Tank::spawn(&mut test, ALL[0]);
+    let ball = spawn_ball(&mut test, tank.domain, 0.7);
+    test.tick(3);
+    test.expect_no_complaints();
+    let second = test.spawn((RapierContextSimulation::default(), DefaultRapierContext));
+    test.tick(4);
+    let complaints = test.complaints();
+    assert_eq!(complaints.len(), 1, "{complaints:?}");
+    assert_eq!((complaints[0].entity, complaints[0].component), (ball, "FluidBody"));
+    assert!(complaints[0].message.contains("DefaultRapierContext: 2 "), "{complaints:?}");
+    test.despawn(second);
+    test.tick(3);
+    assert_eq!(test.stats(tank.domain).ticks, 10);
+    test.expect_no_complaints();
+}
+
+#[test]
+fn a_body_in_another_context_is_refused() {
+    let mut test = TestApp::new();
+    let tank = Tank::spawn(&mut test, ALL[0]);
+    let other = test.spawn(RapierContextSimulation::default());
+    let ball = spawn_ball(&mut test, tank.domain, 0.7);
+    test.world().entity_mut(ball).insert(RapierContextEntityLink(other));
+    test.tick(4);
+    let complaints = test.complaints();
+    assert_eq!(complaints.len(), 1, "{complaints:?}");
+    assert_eq!((complaints[0].entity, complaints[0].component), (ball, "FluidBody"));
+    assert!(complaints[0].message.contains("RapierContextEntityLink"), "{complaints:?}");
+    assert_eq!(test.stats(tank.domain).ticks, 4);
+}

@@ -1,4 +1,4 @@
-//! The example's command line: what is wrong is one clear line and exit code 2.
+//! The example's command line: what is wrong is one clear line, and exit code 2, or 1 if it goes wrong while it runs.
 
 use std::path::PathBuf;
 use std::process::{Command, Output};
@@ -57,4 +57,52 @@ fn help_lists_the_options() {
     for option in ["--particles", "--seconds", "--backend", "--headless", "--out", "--scene <FILE.ron>"] {
         assert!(said.contains(option), "{option}: {said}");
     }
+}
+
+#[test]
+fn a_scene_without_end_is_refused_and_so_is_a_folder_that_is_a_file() {
+    #[cfg(unix)]
+    is_refused(&["--scene", "/dev/zero"], "16777216");
+    let file = std::env::temp_dir().join(format!("freshet_out_{}", std::process::id()));
+    std::fs::write(&file, "a file").expect("a temporary file");
+    let path = file.display().to_string();
+    is_refused(&["--headless", "--out", &path], &path);
+    is_refused(&["--headless", "--out", &file.join("in_it").display().to_string()], &path);
+    std::fs::remove_file(&file).expect("the temporary file");
+}
+
+#[test]
+fn headless_simulates_what_was_asked_for_and_ends_with_a_picture() {
+    let folder = std::env::temp_dir().join(format!("freshet_run_{}", std::process::id()));
+    let out = folder.display().to_string();
+    let short =
+        ["--headless", "--particles", "300", "--seconds", "0.3", "--pictures", "10", "--backend", "cpu", "--out"];
+    let output = dam_break(&[short.as_slice(), &[&out]].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let summary = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
+    let simulated = summary.lines().find_map(|line| line.trim().strip_prefix("\"simulated_s\": ")).expect("a time");
+    let simulated: f64 = simulated.trim_end_matches(',').parse().expect("a number");
+    assert!((simulated - 0.3).abs() < 1e-3, "{simulated}");
+    // At 0, 0.1, 0.2 and 0.3 s.
+    let pictures = std::fs::read_dir(&folder).expect("the folder").flatten();
+    let pictures = pictures.filter(|file| file.path().extension().is_some_and(|extension| extension == "png")).count();
+    assert_eq!(pictures, 4, "{summary}");
+    std::fs::remove_dir_all(&folder).expect("the temporary folder");
+}
+
+#[test]
+fn a_missing_picture_is_one_line_and_exit_code_1() {
+    let folder = std::env::temp_dir().join(format!("freshet_wrong_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a temporary folder");
+    // A picture cannot be written where there is a folder of its name.
+    std::fs::create_dir_all(folder.join("frame_0001.png")).expect("a temporary folder");
+    let out = folder.display().to_string();
+    let short = ["--headless", "--particles", "300", "--seconds", "0.1", "--backend", "cpu", "--out"];
+    let output = dam_break(&[short.as_slice(), &[&out]].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let last = said.lines().last().unwrap_or_default();
+    assert!(last.starts_with("error: ") && last.contains("frame_0001.png"), "{said}");
+    std::fs::remove_dir_all(&folder).expect("the temporary folder");
 }

@@ -1,6 +1,7 @@
 //! A golden picture with a tolerance, and mutations that must each exceed it.
 //!
-//! `FRESHET_WRITE_GOLDEN=1 cargo test --workspace -- golden` writes it anew; look at it before you commit it.
+//! `FRESHET_WRITE_GOLDEN=1 cargo test --workspace -- golden` writes it anew, and fails, because it compares nothing; look at
+//! the picture before you commit it.
 
 use std::path::{Path, PathBuf};
 
@@ -97,7 +98,7 @@ fn the_picture_is_the_golden_one_on_both_backends() {
     let drawn = picture(Change::default());
     if std::env::var_os("FRESHET_WRITE_GOLDEN").is_some() {
         drawn.save(golden_path()).expect("the golden picture can be written");
-        return;
+        panic!("written to {}; run again without FRESHET_WRITE_GOLDEN", golden_path().display());
     }
     for (name, drawn) in [("cpu", drawn), ("gpu", picture(Change { backend: FluidBackend::Gpu, ..default() }))] {
         let difference = difference(&drawn, &golden());
@@ -116,9 +117,8 @@ fn the_picture_is_the_golden_one_on_both_backends() {
 
 #[test]
 fn each_mutation_exceeds_the_golden_tolerance() {
-    if std::env::var_os("FRESHET_WRITE_GOLDEN").is_some() {
-        return;
-    }
+    // The other test is writing it.
+    assert!(std::env::var_os("FRESHET_WRITE_GOLDEN").is_none(), "run again without FRESHET_WRITE_GOLDEN");
     let golden = golden();
     for change in [
         Change { empty: true, ..default() },

@@ -43,6 +43,11 @@ pub struct TestApp {
 impl TestApp {
     /// An app that has no entities yet, whose fixed step is 1/64 s.
     pub fn new() -> Self {
+        Self::with(|_| {})
+    }
+
+    /// The same with something done after Bevy's plugins and before Freshet's.
+    pub fn with(change: impl FnOnce(&mut App)) -> Self {
         static ADAPTER: OnceLock<Result<(), String>> = OnceLock::new();
         let adapter = ADAPTER.get_or_init(|| {
             let device = freshet_gpu::open_device(freshet_gpu::DeviceRequest::default());
@@ -60,14 +65,15 @@ impl TestApp {
                 .disable::<LogPlugin>()
                 .disable::<WinitPlugin>()
                 .disable::<PipelinedRenderingPlugin>(),
-        )
-        .add_plugins(FreshetPlugins::default())
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(0))
-        .init_resource::<Complaints>()
-        .init_resource::<Picture>()
-        .add_systems(Last, |mut messages: MessageReader<FluidProblem>, mut complaints: ResMut<Complaints>| {
-            complaints.0.extend(messages.read().cloned());
-        });
+        );
+        change(&mut app);
+        app.add_plugins(FreshetPlugins::default())
+            .insert_resource(TimeUpdateStrategy::FixedTimesteps(0))
+            .init_resource::<Complaints>()
+            .init_resource::<Picture>()
+            .add_systems(Last, |mut messages: MessageReader<FluidProblem>, mut complaints: ResMut<Complaints>| {
+                complaints.0.extend(messages.read().cloned());
+            });
         while app.plugins_state() == PluginsState::Adding {
             std::thread::yield_now();
         }

@@ -46,6 +46,26 @@ fn wrong_walls_and_emitters_are_refused() {
     refuses(FluidBoundary::plane(-1.0, 1.0), "FluidBoundary", &["shape.half_size", "-0.5"]);
     refuses(FluidEmitter::disc(0.1, 0.0, 1.0), "FluidEmitter", &["speed", "0", "0.001 to 1000"]);
     refuses(FluidEmitter::disc(0.1, 1.0, -2.0), "FluidEmitter", &["lifetime", "-2"]);
+    // Each number is allowed, and one layer would be 3e10 particles.
+    refuses(FluidEmitter::disc(1e4, 1e-3, 1.0), "FluidEmitter", &["particles a second", "allowed"]);
+    refuses(FluidEmitter::disc(1e3, 1e-3, 1.0), "FluidEmitter", &["radius", "across the disc"]);
+}
+
+#[test]
+fn an_emitter_out_of_range_is_refused_until_it_is_back() {
+    let mut test = TestApp::new();
+    let tank = Tank::spawn(&mut test, ALL[0]);
+    let far = Transform::from_xyz(0.5, 1e9, 0.25);
+    let jet = test.spawn((FluidEmitter::disc(0.1, 2.0, 1.0), far, FluidInDomain(tank.domain)));
+    test.tick(4);
+    let complaints = test.complaints();
+    assert_eq!(complaints.len(), 1, "{complaints:?}");
+    assert_eq!((complaints[0].entity, complaints[0].component), (jet, "FluidEmitter"), "{complaints:?}");
+    assert_eq!(test.settle(tank.domain).particles, WATER);
+    test.change::<Transform>(jet, |pose| pose.translation.y = 0.8);
+    test.tick(8);
+    assert!(test.settle(tank.domain).particles > WATER);
+    test.expect_no_complaints();
 }
 
 #[test]

@@ -11,6 +11,7 @@ pub mod field;
 pub mod grid;
 pub mod kernel;
 pub mod material;
+mod overlap;
 pub mod plan;
 pub mod run;
 pub mod sampling;

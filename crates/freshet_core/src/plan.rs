@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::fmt;
 
-use glam::{I64Vec3, Vec3};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::emitter::Emitter;
@@ -12,6 +12,7 @@ use crate::error::{InvalidInput, check_range};
 use crate::field::Field;
 use crate::grid::Grid;
 use crate::kernel::{Kernel, KernelKind, support_radius_for_neighbours};
+use crate::overlap::check_overlap;
 use crate::sampling::lattice::{sample_box, sample_sphere};
 use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{
@@ -287,7 +288,7 @@ impl Plan {
         let bodies: Vec<PlannedBody> = scene.bodies.iter().map(|body| plan_body(body, &layer)).collect();
 
         let extent = Extent::of(positions.iter().chain(&boundary.positions), scene, support_radius);
-        check_precision(&extent, spacing)?;
+        check_precision(extent.min.abs().max(extent.max.abs()), spacing)?;
         let (expected_speed, speed_reason) = expected_speed(scene, &positions, &boundary.positions, &layer);
         let rest_density = scene.material.rest_density;
         let (equation, sound_speed) = equation_and_sound_speed(settings, rest_density, expected_speed);
@@ -377,14 +378,17 @@ impl Plan {
     /// For each body, its index among the bodies of an earlier plan: the one of the same name, or of several with the same
     /// name the one as far along. None for a body that is new.
     pub fn bodies_of(&self, earlier: &Plan) -> Vec<Option<usize>> {
-        let namesakes = |plan: &Plan, name: &str| -> Vec<usize> {
-            plan.bodies.iter().enumerate().filter(|(_, body)| body.name == name).map(|(index, _)| index).collect()
-        };
-        (0..self.bodies.len())
-            .map(|index| {
-                let name = &self.bodies[index].name;
-                let rank = namesakes(self, name).iter().position(|&other| other == index)?;
-                namesakes(earlier, name).get(rank).copied()
+        let mut namesakes: HashMap<&str, Vec<usize>> = HashMap::new();
+        for (index, body) in earlier.bodies.iter().enumerate() {
+            namesakes.entry(&body.name).or_default().push(index);
+        }
+        let mut ranks: HashMap<&str, usize> = HashMap::new();
+        self.bodies
+            .iter()
+            .map(|body| {
+                let rank = ranks.entry(&body.name).or_default();
+                *rank += 1;
+                namesakes.get(body.name.as_str())?.get(*rank - 1).copied()
             })
             .collect()
     }
@@ -489,6 +493,7 @@ fn sample_volumes(volumes: &[Volume], spacing: f32) -> Result<(Vec<Vec3>, Vec<Ve
             return Err(too_many(positions.len() as f64).into());
         }
     }
+    check_precision(positions.iter().fold(Vec3::ZERO, |reach, point| reach.max(point.abs())), spacing)?;
     check_overlap(volumes, &positions, &ids, spacing)?;
     Ok((positions, velocities, ids))
 }
@@ -501,72 +506,6 @@ pub fn sample_volume(volume: &Volume, spacing: f32) -> Result<Vec<Vec3>, Invalid
     }
     .map_err(|error| error.inside("shape"))?;
     Ok(local.into_iter().map(|point| volume.rotation * point + volume.center).collect())
-}
-
-/// Particles of two volumes may be as near as half a spacing, and none may lie within another volume's shape.
-fn check_overlap(volumes: &[Volume], positions: &[Vec3], ids: &[(u32, u32)], spacing: f32) -> Result<(), SceneError> {
-    let particles = |volume: usize| {
-        let (first, count) = ids[volume];
-        &positions[first as usize..(first + count) as usize]
-    };
-    let boxes: Vec<(Vec3, Vec3)> = (0..volumes.len())
-        .map(|volume| {
-            particles(volume).iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &point| {
-                (low.min(point - spacing), high.max(point + spacing))
-            })
-        })
-        .collect();
-    let mut order: Vec<usize> = (0..volumes.len()).collect();
-    order.sort_by(|&a, &b| boxes[a].0.x.total_cmp(&boxes[b].0.x));
-    for (rank, &a) in order.iter().enumerate() {
-        for &b in order[rank + 1..].iter().take_while(|&&b| boxes[b].0.x <= boxes[a].1.x) {
-            let (low, high) = (boxes[a].0.max(boxes[b].0), boxes[a].1.min(boxes[b].1));
-            if !low.cmple(high).all() {
-                continue;
-            }
-            let within = |volume| {
-                particles(volume).iter().copied().filter(move |point| point.cmpge(low).all() && point.cmple(high).all())
-            };
-            let place = within(a)
-                .find(|&point| is_inside(&volumes[b], point, spacing))
-                .or_else(|| within(b).find(|&point| is_inside(&volumes[a], point, spacing)))
-                .or_else(|| near_point(within(a), within(b), spacing));
-            if let Some(place) = place {
-                return Err(SceneError::Overlap { first: a.min(b), second: a.max(b), place: place.to_string() });
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Whether a point lies in a volume's shape, by more than rounding.
-fn is_inside(volume: &Volume, point: Vec3, spacing: f32) -> bool {
-    let local = volume.rotation.conjugate() * (point - volume.center);
-    let tolerance = 0.05 * spacing;
-    match volume.shape {
-        Shape::Box { half_extents } => local.abs().cmplt(half_extents - tolerance).all(),
-        Shape::Sphere { radius } => local.length() < radius - tolerance,
-    }
-}
-
-/// A point of `others` less than half a spacing from one of `points`. (Two boxes that touch, neither a whole number of cells
-/// long, are just that near: hence 0.48.)
-fn near_point(
-    points: impl Iterator<Item = Vec3>,
-    mut others: impl Iterator<Item = Vec3>,
-    spacing: f32,
-) -> Option<Vec3> {
-    let cell = |point: Vec3| (point / spacing).floor().as_i64vec3();
-    let mut cells: HashMap<I64Vec3, Vec<Vec3>> = HashMap::new();
-    for point in points {
-        cells.entry(cell(point)).or_default().push(point);
-    }
-    others.find(|&other| {
-        (0..27).any(|offset| {
-            let key = cell(other) + I64Vec3::new(offset % 3 - 1, offset / 3 % 3 - 1, offset / 9 - 1);
-            cells.get(&key).into_iter().flatten().any(|point| point.distance(other) < 0.48 * spacing)
-        })
-    })
 }
 
 fn sample_boundaries(boundaries: &[Boundary], layer: &WallLayer) -> Result<PlannedBoundary, SceneError> {
@@ -660,8 +599,8 @@ fn located(error: InvalidInput, parent: fmt::Arguments<'_>) -> InvalidInput {
 }
 
 /// Refuses particles so far from the origin that `f32` cannot tell a sixty-fourth of their spacing.
-fn check_precision(extent: &Extent, spacing: f32) -> Result<(), InvalidInput> {
-    let reach = extent.min.abs().max(extent.max.abs()).max_element();
+fn check_precision(corner: Vec3, spacing: f32) -> Result<(), InvalidInput> {
+    let reach = corner.max_element();
     let least = reach / (1 << 17) as f32;
     if spacing < least {
         let allowed =

@@ -36,16 +36,16 @@ pub struct FluidScene {
     /// What the fluid is.
     #[serde(default = "Material::water")]
     pub material: Material,
-    /// Where the fluid starts. Volumes must not overlap.
+    /// Where the fluid starts, at most [`MAX_OBJECTS`] volumes, which must not overlap.
     #[serde(default)]
     pub volumes: Vec<Volume>,
-    /// Where fluid flows in.
+    /// Where fluid flows in, at most [`MAX_OBJECTS`].
     #[serde(default)]
     pub emitters: Vec<Emitter>,
-    /// What holds the fluid and does not move.
+    /// What holds the fluid and does not move, at most [`MAX_OBJECTS`].
     #[serde(default)]
     pub boundaries: Vec<Boundary>,
-    /// What the fluid pushes and is pushed by.
+    /// What the fluid pushes and is pushed by, at most [`MAX_OBJECTS`].
     #[serde(default)]
     pub bodies: Vec<Body>,
     /// How it is simulated.
@@ -303,6 +303,8 @@ pub const MIN_SPACING: f32 = 1e-4;
 pub const MAX_SPACING: f32 = 100.0;
 /// Most particles or samples of one scene.
 pub const MAX_PARTICLES: u32 = 64 << 20;
+/// Most volumes of one scene, and most emitters, boundaries and bodies: of each kind this many.
+pub const MAX_OBJECTS: usize = 10_000;
 
 impl Settings {
     fn validate(&self) -> Result<(), InvalidInput> {
@@ -388,6 +390,20 @@ fn check_half_extents(half_extents: Vec3) -> Result<(), InvalidInput> {
 impl FluidScene {
     /// Checks every number on its own. What needs sampling (overlap, spacing against volume) is checked by the plan.
     pub fn validate(&self) -> Result<(), InvalidInput> {
+        for (field, count) in [
+            ("volumes", self.volumes.len()),
+            ("emitters", self.emitters.len()),
+            ("boundaries", self.boundaries.len()),
+            ("bodies", self.bodies.len()),
+        ] {
+            if count > MAX_OBJECTS {
+                return Err(InvalidInput::new(
+                    field,
+                    format_args!("{count} of them"),
+                    format_args!("up to {MAX_OBJECTS}"),
+                ));
+            }
+        }
         match self.resolution {
             Resolution::Spacing(spacing) => check_range("resolution", spacing, MIN_SPACING, MAX_SPACING, "m")?,
             Resolution::Particles(count) if (1..=MAX_PARTICLES).contains(&count) => {

@@ -11,7 +11,7 @@ use crate::step::{Impulse, StepInput};
 /// Particles are in the order of their ids.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
-    /// Ticks made.
+    /// Number of the last tick made plus one, 0 to 2^63: what the next tick's number should be.
     pub tick: u64,
     /// Simulated time, s.
     pub time: f64,
@@ -93,6 +93,15 @@ pub fn carried_over<T: Copy + Default>(known: &[T], before: &[Option<usize>]) ->
     before.iter().map(|index| index.and_then(|index| known.get(index).copied()).unwrap_or_default()).collect()
 }
 
+/// Checks that so many particles are no more than a plan allows; solvers ask before they take a snapshot or another plan.
+pub fn check_room(particles: usize, max_particles: u32) -> Result<(), InvalidInput> {
+    if particles > max_particles as usize {
+        let allowed = format!("at most {max_particles}, the plan's max_particles");
+        return Err(InvalidInput::new("ids", format_args!("{particles} particles"), allowed));
+    }
+    Ok(())
+}
+
 impl Snapshot {
     /// The snapshot as bytes: eight bytes of magic and version, the CRC-32 of what follows (four bytes, the lowest first),
     /// then postcard.
@@ -125,6 +134,9 @@ impl Snapshot {
 
     /// Checks lengths and numbers.
     pub fn validate(&self) -> Result<(), SnapshotError> {
+        if self.tick > StepInput::MAX_TICK + 1 {
+            return Err(InvalidInput::new("tick", self.tick, "0 to 2^63").into());
+        }
         if !(self.time.is_finite() && self.time >= 0.0) {
             return Err(InvalidInput::new("time", self.time, "0 s or more").into());
         }

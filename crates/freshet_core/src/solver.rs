@@ -17,6 +17,9 @@ pub trait FluidSolver {
     fn schedule(&self) -> &Schedule;
 
     /// Covers the input's duration and returns when it is done.
+    ///
+    /// Numbers of ticks are the caller's: see [`StepInput::tick`] for what gaps and repetitions do. An input that is refused
+    /// changes nothing.
     fn step(&mut self, input: &StepInput) -> Result<StepReport, SolverError>;
 
     /// Values of a field for all live particles, in the solver's order.
@@ -25,10 +28,11 @@ pub trait FluidSolver {
     /// The whole state.
     fn snapshot(&mut self) -> Result<Snapshot, SolverError>;
 
-    /// Returns to a state.
+    /// Returns to a state; one of more particles than the plan's `max_particles` is refused.
     fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SolverError>;
 
-    /// Continues with another plan; particles, time and gravity stay as they are.
+    /// Continues with another plan; particles, time and gravity stay as they are. A plan for fewer particles than there are
+    /// is refused.
     fn reconfigure(&mut self, plan: Plan) -> Result<(), SolverError>;
 }
 
@@ -79,7 +83,8 @@ pub struct Schedule {
     pub backend: &'static str,
     /// Passes of one substep, in order.
     pub passes: Vec<ScheduledPass>,
-    /// All memory of the solver.
+    /// The memory that the solver holds from one tick to the next, apart from the plan itself. Left out is what comes and goes
+    /// within a tick: on a GPU the uploads of its commands and the staging of downloads.
     pub buffers: Vec<ScheduledBuffer>,
     /// Particles the buffers have room for.
     pub capacity: u32,

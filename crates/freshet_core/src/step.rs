@@ -12,7 +12,14 @@ use crate::scene::check_gravity;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepInput {
-    /// Number of the tick; each is one more than the last.
+    /// Number of the tick, 0 to [`MAX_TICK`](Self::MAX_TICK): one more than the last, whether that was made here or is in
+    /// the snapshot restored.
+    ///
+    /// The fluid does not depend on it, and solvers do not check that numbers follow each other. Bodies do: what the fluid
+    /// gave them is remembered by its tick's number, for four ticks ([`BodyInput::corrected_before`]). After a gap a
+    /// solver takes the ticks left out for made: what is remembered displaces a free body for that much longer, and is
+    /// forgotten when a tick whose number differs by a multiple of four takes its place. A number used again, or a
+    /// smaller one, hears nothing of the ticks from there on.
     pub tick: u64,
     /// Time to cover, s, 0 to 1. The solver chooses the substeps.
     pub duration: f32,
@@ -28,8 +35,14 @@ impl StepInput {
     /// Longest duration of one tick, s; a longer hitch is several ticks.
     pub const MAX_DURATION: f32 = 1.0;
 
+    /// Largest number of a tick, 2^63 - 1, so that the next one's can always be told.
+    pub const MAX_TICK: u64 = (1 << 63) - 1;
+
     /// Checks every number; `bodies` is the plan's number of bodies.
     pub fn validate(&self, bodies: usize) -> Result<(), InvalidInput> {
+        if self.tick > Self::MAX_TICK {
+            return Err(InvalidInput::new("tick", self.tick, "0 to 2^63 - 1"));
+        }
         check_range("duration", self.duration, 0.0, Self::MAX_DURATION, "s")?;
         if self.bodies.len() != bodies {
             return Err(InvalidInput::new(

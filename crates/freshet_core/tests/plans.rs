@@ -4,7 +4,7 @@ use freshet_core::field::FieldOrigin;
 use freshet_core::grid::Grid;
 use freshet_core::plan::{Parameters, Plan, StageKind};
 use freshet_core::prelude::*;
-use freshet_core::scene::MAX_PARTICLES;
+use freshet_core::scene::{MAX_OBJECTS, MAX_PARTICLES};
 use glam::IVec3;
 
 /// A column of a cubic metre in a tank of 4 x 2 x 1 m.
@@ -350,6 +350,73 @@ fn volumes_that_share_space_are_refused() {
     let odd = |center| block(Vec3::splat(0.525), center);
     let pair = vec![odd(Vec3::ZERO), odd(Vec3::X * 1.05), Volume::ball(0.3, Vec3::Y * 5.0), odd(Vec3::Z * 1.05)];
     assert_eq!(Plan::new(&FluidScene { volumes: pair, ..dam_break() }).unwrap().volume_ids.len(), 4);
+}
+
+#[test]
+fn more_objects_than_a_scene_may_have_are_refused() {
+    let many = MAX_OBJECTS + 1;
+    let emitter = Emitter { center: Vec3::Y, direction: Vec3::Y, radius: 0.2, speed: 1.0, lifetime: 1.0 };
+    let scene = dam_break();
+    let cases = [
+        ("volumes", FluidScene { volumes: vec![scene.volumes[0].clone(); many], ..scene.clone() }),
+        ("emitters", FluidScene { emitters: vec![emitter; many], ..scene.clone() }),
+        ("boundaries", FluidScene { boundaries: vec![scene.boundaries[0].clone(); many], ..scene.clone() }),
+        ("bodies", FluidScene { bodies: vec![cork(); many], ..scene.clone() }),
+    ];
+    for (field, scene) in cases {
+        let Err(SceneError::Invalid(error)) = Plan::new(&scene) else { panic!("{many} {field} are accepted") };
+        assert_eq!((error.field.as_str(), error.value.as_str()), (field, "10001 of them"));
+        assert_eq!(error.allowed, "up to 10000");
+    }
+}
+
+/// The worst that a scene within its limits can ask of the search for overlaps; where volumes share no space nothing ends it
+/// early.
+#[test]
+fn as_many_volumes_as_there_may_be_are_planned_in_a_moment() {
+    let planned = |what: &str, volumes: Vec<Volume>| {
+        assert_eq!(volumes.len(), MAX_OBJECTS, "{what}");
+        let mut scene = FluidScene { volumes, ..FluidScene::with_spacing(0.1) };
+        scene.settings.expected_speed = Some(1.0);
+        let begin = std::time::Instant::now();
+        let plan = Plan::new(&scene);
+        let seconds = begin.elapsed().as_secs_f32();
+        println!("{what}: {seconds:.2} s for {:?} particles", plan.as_ref().map(|plan| plan.positions.len()));
+        // 0.01 to 1.6 s on two busy cores; a search over all pairs of volumes and their particles takes minutes.
+        assert!(seconds < 10.0, "{what}: {seconds} s");
+        plan.map(|plan| plan.volume_ids.len())
+    };
+    let drop = |center: Vec3| Volume::block(Vec3::splat(0.05), center);
+    // One above the other: they overlap along x and z.
+    let tower = (0..MAX_OBJECTS).map(|i| drop(Vec3::Y * 0.2 * i as f32)).collect();
+    assert_eq!(planned("a tower of drops", tower), Ok(MAX_OBJECTS));
+    // A pool with drops in a layer above it: the pool's box meets that of every drop.
+    let mut pool = vec![Volume::block(Vec3::new(10.0, 1.0, 10.0), Vec3::NEG_Y)];
+    pool.extend(
+        (1..MAX_OBJECTS as u16)
+            .map(|i| drop(Vec3::from([i % 100, 1, i / 100].map(f32::from)) * 0.19 - 9.5 * (Vec3::X + Vec3::Z))),
+    );
+    assert_eq!(planned("a pool and drops", pool), Ok(MAX_OBJECTS));
+    // Slanted rods side by side: the box of each meets those of all others.
+    let rotation = Quat::from_rotation_arc(Vec3::X, Vec3::ONE.normalize());
+    let rods = (0..MAX_OBJECTS as u16).map(|i| Volume {
+        rotation,
+        ..Volume::block(Vec3::new(7.5, 0.05, 0.05), rotation * (Vec3::from([0, i % 100, i / 100].map(f32::from)) * 0.2))
+    });
+    assert_eq!(planned("slanted rods", rods.collect()), Ok(MAX_OBJECTS));
+    // All in one place.
+    let heap = vec![Volume::ball(0.5, Vec3::ZERO); MAX_OBJECTS];
+    assert!(matches!(planned("a heap", heap), Err(SceneError::Overlap { .. })));
+}
+
+#[test]
+fn bodies_keep_to_their_namesakes() {
+    let plan = |names: &[&str]| {
+        let bodies = names.iter().map(|name| Body { name: (*name).to_owned(), ..cork() }).collect();
+        Plan::new(&FluidScene { bodies, ..dam_break() }).unwrap()
+    };
+    let earlier = plan(&["a", "b", "a", "c"]);
+    assert_eq!(plan(&["c", "a", "d", "a", "a"]).bodies_of(&earlier), [Some(3), Some(0), None, Some(2), None]);
 }
 
 #[test]

@@ -406,14 +406,20 @@ fn nested_brackets_exhaust_neither_stack_nor_patience() {
 
 #[test]
 fn a_long_file_is_searched_once_for_its_error() {
-    let mut text = "(resolution: Spacing(1), volumes: [\n".to_owned();
-    for index in 0..50_000 {
-        let radius = if index == 49_999 { -1.0 } else { 1.0 };
-        writeln!(text, "(shape: Sphere(radius: {radius}), center: ({}, 0, 0)),", 3 * index).unwrap();
-    }
-    text += "])";
-    let error = FluidScene::from_ron(&text).unwrap_err();
-    assert_says(&error, &["line 50001: volumes[49999].shape.radius: -1"]);
+    // As many volumes as there may be, of five lines each.
+    let file = |count: usize| {
+        let mut text = "(resolution: Spacing(1), volumes: [\n".to_owned();
+        for index in 0..count {
+            let radius = if index == 9_999 { -1.0 } else { 1.0 };
+            writeln!(text, "(\nshape: Sphere(\nradius: {radius}),\ncenter: ({}, 0, 0)\n),", 3 * index).unwrap();
+        }
+        text + "])"
+    };
+    let error = FluidScene::from_ron(&file(10_000)).unwrap_err();
+    assert_says(&error, &["line 49999: volumes[9999].shape.radius: -1"]);
+    // One more is too many, whatever is in them.
+    let error = FluidScene::from_ron(&file(10_001)).unwrap_err();
+    assert_says(&error, &["line 1: volumes: 10001 of them is not allowed; allowed: up to 10000"]);
 }
 
 proptest! {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use freshet_core::field::{Field, FieldData};
 use freshet_core::kernel::Kernel;
 use freshet_core::plan::{Parameters, Plan, StageKind};
-use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over};
+use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
 use freshet_core::step::{Command, NewParticles, PassTime, StepInput, StepReport};
 use glam::Vec3;
@@ -37,7 +37,7 @@ pub enum InstructionSet {
 /// How the solver uses the machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CpuOptions {
-    /// Threads of its own; none shares rayon's, one for each core.
+    /// Threads of its own, 1 to 256; other numbers are refused when the solver is made. None shares rayon's, one for each core.
     pub threads: Option<usize>,
     /// Vector instructions.
     pub instruction_set: InstructionSet,
@@ -98,10 +98,10 @@ impl CpuSolver {
     /// Starts a plan with its particles.
     ///
     /// # Errors
-    /// If the plan asks for what the CPU does not have, or threads cannot be made.
+    /// If the plan asks for what the CPU does not have, the number of threads is out of range or they cannot be made.
     pub fn new(plan: Plan, options: CpuOptions) -> Result<Self, SolverError> {
         let passes = schedule::lower(&plan)?;
-        let workers = Arc::new(Workers::new(options.threads).map_err(SolverError::Device)?);
+        let workers = Arc::new(Workers::new(options.threads)?);
         let arch = match options.instruction_set {
             InstructionSet::Widest => pulp::Arch::new(),
             InstructionSet::Scalar => pulp::Arch::Scalar,
@@ -150,10 +150,16 @@ impl CpuSolver {
 
     /// What follows from the plan and is not state.
     fn take_plan(&mut self) {
-        self.walls.sort(&self.plan.grid, &self.plan.boundary.positions, &self.plan.boundary.volumes);
-        self.walls.set_viscous(&self.plan.boundary.viscous);
+        // What an earlier plan had and this one has not takes no memory.
+        let boundary = &self.plan.boundary;
+        self.walls = SortedSamples::default();
+        if !boundary.positions.is_empty() {
+            self.walls.sort(&self.plan.grid, &boundary.positions, &boundary.volumes);
+            self.walls.set_viscous(&boundary.viscous);
+        }
+        self.body_samples = BodySamples::default();
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
-        self.bodies.clear();
+        self.bodies = Vec::new();
         self.measure_memory();
     }
 
@@ -172,7 +178,11 @@ impl CpuSolver {
             self.schedule.buffers.push(schedule::buffer("walls", self.walls.bytes(), false));
         }
         if !self.plan.bodies.is_empty() {
-            self.schedule.buffers.push(schedule::buffer("bodies", self.body_samples.sorted.bytes(), false));
+            let states = size_of::<MovingBody>() * self.bodies.capacity()
+                + size_of::<[Exchange; 4]>() * self.exchanges.capacity()
+                + size_of::<Option<BodyPose>>() * self.poses.capacity();
+            let bytes = self.body_samples.bytes() + states as u64;
+            self.schedule.buffers.push(schedule::buffer("bodies", bytes, false));
         }
         self.schedule.capacity = self.particles.len as u32;
     }
@@ -510,6 +520,7 @@ impl FluidSolver for CpuSolver {
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SolverError> {
         snapshot.validate()?;
+        check_room(snapshot.ids.len(), self.plan.max_particles)?;
         let mut particles = Particles::default();
         for i in 0..snapshot.ids.len() {
             let (position, velocity) = (snapshot.positions[i], snapshot.velocities[i]);
@@ -531,11 +542,13 @@ impl FluidSolver for CpuSolver {
     }
 
     fn reconfigure(&mut self, plan: Plan) -> Result<(), SolverError> {
-        self.schedule.passes = schedule::lower(&plan)?;
+        let passes = schedule::lower(&plan)?;
         Kernel::new(plan.parameters.kernel, plan.parameters.support_radius)?;
+        check_room(self.particles.len, plan.max_particles)?;
         let before = plan.bodies_of(&self.plan);
         self.exchanges = carried_over(&self.exchanges, &before);
         self.poses = carried_over(&self.poses, &before);
+        self.schedule.passes = passes;
         self.plan = plan;
         self.take_plan();
         Ok(())

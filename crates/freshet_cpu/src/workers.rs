@@ -1,6 +1,11 @@
 //! Sharing a pass among cores.
 
+use freshet_core::error::InvalidInput;
+use freshet_core::solver::SolverError;
 use rayon::prelude::*;
+
+/// Most threads of its own a solver may ask for.
+const MOST_THREADS: usize = 256;
 
 /// The threads of a solver.
 pub struct Workers {
@@ -10,11 +15,21 @@ pub struct Workers {
 
 impl Workers {
     /// `threads` of its own, or rayon's shared ones.
-    pub fn new(threads: Option<usize>) -> Result<Self, String> {
+    ///
+    /// # Errors
+    /// [`SolverError::Invalid`] for none or more than 256, [`SolverError::Device`] if the system does not give them.
+    pub fn new(threads: Option<usize>) -> Result<Self, SolverError> {
         let Some(threads) = threads else {
             return Ok(Self { pool: None, threads: rayon::current_num_threads() });
         };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
+        if !(1..=MOST_THREADS).contains(&threads) {
+            let allowed = format!("1 to {MOST_THREADS}, or none for one of each core");
+            return Err(InvalidInput::new("threads", threads, allowed).into());
+        }
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|error| SolverError::Device(error.to_string()))?;
         Ok(Self { pool: Some(pool), threads })
     }
 

@@ -332,12 +332,56 @@ fn bad_input_is_refused_and_changes_nothing() {
         (step(0.01, vec![Command::Spawn(untimely)]), "commands[0].at"),
         (step(0.01, vec![Command::SetGravity(Vec3::NAN)]), "commands[0]"),
         (StepInput { bodies: vec![BodyInput::default()], ..step(0.01, Vec::new()) }, "bodies"),
+        (StepInput { tick: 1 << 63, ..step(0.01, Vec::new()) }, "tick"),
+        (StepInput { tick: u64::MAX, ..step(0.01, Vec::new()) }, "tick"),
     ];
     for (input, field) in &cases {
         let error = solver.step(input).unwrap_err().to_string();
         assert!(error.contains(field) && error.contains("allowed"), "{error}");
     }
     assert_eq!(hash(&mut solver), before);
+}
+
+#[test]
+fn the_largest_tick_is_followed_by_none() {
+    let mut solver = solver(&dam_break(), 1);
+    let last = StepInput { tick: StepInput::MAX_TICK, duration: 1e-3, ..StepInput::default() };
+    assert_eq!(solver.step(&last).unwrap().tick, StepInput::MAX_TICK);
+    let state = solver.snapshot().unwrap();
+    assert_eq!(state.tick, 1 << 63);
+    solver.restore(&state).unwrap();
+    let error = solver.restore(&Snapshot { tick: (1 << 63) + 1, ..state }).unwrap_err().to_string();
+    assert_eq!(error, "tick: 9223372036854775809 is not allowed; allowed: 0 to 2^63");
+}
+
+#[test]
+fn a_number_of_threads_out_of_range_is_refused() {
+    for threads in [0, 257, usize::MAX] {
+        let plan = Plan::new(&dam_break()).unwrap();
+        let made = CpuSolver::new(plan, CpuOptions { threads: Some(threads), ..CpuOptions::default() });
+        let Err(SolverError::Invalid(error)) = made else { panic!("{threads} threads are accepted") };
+        assert_eq!((error.field.as_str(), error.value), ("threads", threads.to_string()));
+        assert!(error.allowed.starts_with("1 to 256"), "{}", error.allowed);
+    }
+}
+
+#[test]
+fn more_particles_than_the_plan_allows_are_refused() {
+    let mut scene = dam_break();
+    let mut full = solver(&scene, 1);
+    let state = full.snapshot().unwrap();
+    let count = state.ids.len();
+    scene.volumes[0] = Volume::ball(0.1, Vec3::splat(0.25));
+    let mut small = solver(&scene, 1);
+    let (before, most) = (hash(&mut small), small.plan().max_particles);
+    let message = format!("ids: {count} particles is not allowed; allowed: at most {most}, the plan's max_particles");
+    assert_eq!(small.restore(&state).unwrap_err().to_string(), message);
+    assert_eq!(hash(&mut small), before);
+    // Nor a plan for fewer than there are.
+    let (before, schedule) = (hash(&mut full), full.schedule().clone());
+    assert_eq!(full.reconfigure(small.plan().clone()).unwrap_err().to_string(), message);
+    assert_eq!((hash(&mut full), full.schedule()), (before, &schedule));
+    assert_eq!(full.plan().max_particles as usize, count);
 }
 
 #[test]

@@ -18,6 +18,8 @@ fn scene(kernel: KernelKind, alpha: f32) -> FluidScene {
     };
     scene.settings.kernel = kernel;
     scene.settings.artificial_viscosity = alpha;
+    // Room for the pairs that are added.
+    scene.settings.max_particles = Some(1000);
     scene
 }
 

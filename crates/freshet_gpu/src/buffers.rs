@@ -10,6 +10,7 @@ use crate::errors::guarded;
 use crate::layout::{
     Binding, BodyInputRecord, BodyRecord, BodySampleRecord, Parameters, SampleLoadRecord, StepControl,
 };
+use crate::memory::{Held, Memory};
 use crate::parameters::parameters;
 use crate::passes::Arguments;
 
@@ -67,20 +68,27 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
 /// The buffers that shaders see.
 #[derive(Debug)]
 pub(crate) struct Buffers {
-    buffers: Vec<(Binding, bool, wgpu::Buffer)>,
+    buffers: Vec<(Binding, bool, Held)>,
+    memory: Memory,
     /// Particles there is room for.
     pub capacity: u32,
 }
 
 impl Buffers {
     /// Allocates and fills what does not change: parameters, walls, samples of bodies.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, plan: &Plan, capacity: u32) -> Result<Self, SolverError> {
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        plan: &Plan,
+        capacity: u32,
+        memory: &Memory,
+    ) -> Result<Self, SolverError> {
         let needs = needs(plan, capacity);
         check_device(device, needs.iter().map(|need| need.bytes).max().unwrap_or(0))?;
         let buffers = guarded(device, "allocating buffers", || {
-            needs.into_iter().map(|need| (need.binding, need.per_particle, allocate(device, &need))).collect()
+            needs.into_iter().map(|need| (need.binding, need.per_particle, allocate(device, &need, memory))).collect()
         })?;
-        let buffers = Self { buffers, capacity };
+        let buffers = Self { buffers, memory: memory.clone(), capacity };
         buffers.write(queue, Binding::Parameters, &[parameters(plan)]);
         let tables = CellTables::of(plan);
         if !plan.boundary.positions.is_empty() {
@@ -108,7 +116,7 @@ impl Buffers {
         check_device(device, needs.iter().map(|need| need.bytes).max().unwrap_or(0))?;
         needs.retain(|need| need.binding.particle_bytes().is_some());
         let fresh: Vec<_> = guarded(device, "resizing buffers", || {
-            needs.iter().map(|need| (need.binding, allocate(device, need))).collect()
+            needs.iter().map(|need| (need.binding, allocate(device, need, &self.memory))).collect()
         })?;
         for (binding, buffer) in fresh {
             let Some((_, _, old)) = self.buffers.iter_mut().find(|entry| entry.0 == binding) else { continue };
@@ -123,22 +131,17 @@ impl Buffers {
 
     /// The buffer of a binding; none if the plan does not need it.
     pub fn get(&self, binding: Binding) -> Option<&wgpu::Buffer> {
-        self.buffers.iter().find(|entry| entry.0 == binding.memory()).map(|entry| &entry.2)
+        self.buffers.iter().find(|entry| entry.0 == binding.memory()).map(|entry| &*entry.2)
     }
 
     /// As they stand in the schedule: their true sizes.
     pub fn scheduled(&self) -> Vec<ScheduledBuffer> {
-        let buffer = |(binding, per_particle, buffer): &(Binding, bool, wgpu::Buffer)| ScheduledBuffer {
+        let buffer = |(binding, per_particle, buffer): &(Binding, bool, Held)| ScheduledBuffer {
             name: binding.name(),
             bytes: buffer.size(),
             per_particle: *per_particle,
         };
         self.buffers.iter().map(buffer).collect()
-    }
-
-    /// Bytes of all of them.
-    pub fn bytes(&self) -> u64 {
-        self.buffers.iter().map(|(_, _, buffer)| buffer.size()).sum()
     }
 
     /// Writes the start of a buffer before the next submit; nothing if the plan does not need it.
@@ -156,14 +159,15 @@ impl Buffers {
     }
 }
 
-fn allocate(device: &wgpu::Device, need: &Need) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
+fn allocate(device: &wgpu::Device, need: &Need, memory: &Memory) -> Held {
+    let about = wgpu::BufferDescriptor {
         label: Some(&format!("freshet:buffer:{}", need.binding.name())),
         // wgpu refuses to bind a buffer of no bytes.
         size: need.bytes.max(16),
         usage: need.usage,
         mapped_at_creation: false,
-    })
+    };
+    memory.allocate(device, &about)
 }
 
 fn body_records(plan: &Plan) -> (Vec<BodySampleRecord>, Vec<BodyRecord>) {

@@ -99,7 +99,7 @@ pub(crate) struct EditDispatch<'a> {
 }
 
 /// Pipelines of commands.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct CommandPipelines {
     pipelines: [Pipeline; 4],
     workgroup_size: u32,

@@ -56,14 +56,14 @@ impl GpuSolver {
         bound: u32,
     ) -> Result<(), SolverError> {
         let most = self.plan.max_particles;
-        let edits = self.commands.dispatches(&self.device, &self.buffers, &tick.edits, most, bound)?;
+        let edits = self.compiled.commands.dispatches(&self.device, &self.buffers, &tick.edits, most, bound)?;
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("freshet:pass:begin_tick"),
             timestamp_writes: None,
         });
         let input = [tick.slot * INPUT_STRIDE as u32];
         let body_groups = (self.plan.bodies.len() as u32).div_ceil(self.options.workgroup_size);
-        for (pipeline, group) in self.begin.iter().zip(&self.groups) {
+        for (pipeline, group) in self.compiled.begin.iter().zip(&self.groups) {
             let groups = if pipeline.pass.dispatch == Dispatch::Single { (1, 1) } else { group_grid(body_groups) };
             dispatch(&mut pass, pipeline, group, &input, Groups::Direct(groups.0, groups.1));
         }
@@ -76,7 +76,7 @@ impl GpuSolver {
     /// Encodes `count` substeps; those that the tick does not need dispatch nothing.
     pub(crate) fn encode_substeps(&self, encoder: &mut wgpu::CommandEncoder, count: u32) {
         let Some(arguments) = self.buffers.get(Binding::Arguments) else { return };
-        let groups = &self.groups[self.begin.len()..];
+        let groups = &self.groups[self.compiled.begin.len()..];
         let groups_of = |pipeline: &Pipeline| match pipeline.pass.dispatch {
             Dispatch::Indirect(which) => Groups::Indirect(arguments, which.offset()),
             Dispatch::Single | Dispatch::Direct => Groups::Direct(1, 1),
@@ -88,7 +88,7 @@ impl GpuSolver {
                     timestamp_writes: None,
                 });
                 for _ in 0..count {
-                    for (pipeline, group) in self.substep.iter().zip(groups) {
+                    for (pipeline, group) in self.compiled.substep.iter().zip(groups) {
                         dispatch(&mut pass, pipeline, group, &[], groups_of(pipeline));
                     }
                 }
@@ -96,7 +96,7 @@ impl GpuSolver {
             return;
         };
         for substep in 0..count {
-            for (index, (pipeline, group)) in self.substep.iter().zip(groups).enumerate() {
+            for (index, (pipeline, group)) in self.compiled.substep.iter().zip(groups).enumerate() {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                     label: Some(&pipeline.label),
                     timestamp_writes: timer.writes(substep, index),

@@ -12,11 +12,13 @@
 mod buffers;
 mod cells;
 mod commands;
+mod compiled;
 mod device;
 mod encode;
 mod errors;
 pub mod layout;
 mod lockstep;
+mod memory;
 mod options;
 mod parameters;
 mod passes;

@@ -80,9 +80,11 @@ impl FluidSolver for GpuSolver {
         let before = plan.bodies_of(&self.plan);
         snapshot.exchanges = carried_over(&snapshot.exchanges, &before);
         snapshot.poses = carried_over(&snapshot.poses, &before);
-        let mut next = Self::new(&self.device, &self.queue, plan, self.options)?;
+        let mut next = Self::with_compiled(&self.device, &self.queue, plan, self.options, Some(&self.compiled))?;
         next.load_snapshot(&snapshot)?;
         next.generation = self.generation + 1;
+        next.readback.add_waits(self.readback.waits());
+        next.late = std::mem::take(&mut self.late);
         *self = next;
         Ok(())
     }

@@ -46,7 +46,7 @@ pub(crate) enum Dispatch {
 }
 
 /// One entry point and what it needs.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pass {
     /// Name of the pass and of the entry point.
     pub name: &'static str,

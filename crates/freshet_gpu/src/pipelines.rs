@@ -7,8 +7,8 @@ use crate::errors::guarded;
 use crate::layout::{Access, Binding};
 use crate::passes::Pass;
 
-/// A compiled pass.
-#[derive(Debug)]
+/// A compiled pass; clones share what was compiled.
+#[derive(Clone, Debug)]
 pub(crate) struct Pipeline {
     /// What it was compiled from.
     pub pass: Pass,

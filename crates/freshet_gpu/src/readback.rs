@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use freshet_core::solver::SolverError;
 
 use crate::errors::guarded;
+use crate::memory::{Held, Memory};
 
 /// Ticks that may be in flight before [`GpuSolver::collect`](crate::GpuSolver::collect) waits.
 pub const TICKS_IN_FLIGHT: usize = 3;
@@ -24,26 +25,28 @@ const FAILED: u8 = 2;
 #[derive(Debug)]
 struct Ticket<T> {
     about: T,
-    staging: wgpu::Buffer,
+    staging: Held,
     state: Arc<AtomicU8>,
 }
 
 /// A ring of staging buffers; `T` is what is remembered of each report.
 #[derive(Debug)]
 pub(crate) struct Readback<T> {
-    free: Vec<wgpu::Buffer>,
+    free: Vec<Held>,
     pending: VecDeque<Ticket<T>>,
     waits: u64,
     bytes: u64,
+    memory: Memory,
 }
 
 impl<T> Readback<T> {
     /// A ring of `count` buffers of `bytes` each.
-    pub fn new(device: &wgpu::Device, count: usize, bytes: u64) -> Result<Self, SolverError> {
+    pub fn new(device: &wgpu::Device, count: usize, bytes: u64, memory: &Memory) -> Result<Self, SolverError> {
         let free = guarded(device, "allocating staging buffers", || {
-            (0..count).map(|_| staging(device, bytes)).collect::<Vec<_>>()
+            (0..count).map(|_| staging(device, bytes, memory)).collect::<Vec<_>>()
         })?;
-        Ok(Self { free, pending: VecDeque::new(), waits: 0, bytes: bytes * count as u64 })
+        let (pending, memory) = (VecDeque::new(), memory.clone());
+        Ok(Self { free, pending, waits: 0, bytes: bytes * count as u64, memory })
     }
 
     /// Bytes of all staging buffers together.
@@ -54,6 +57,11 @@ impl<T> Readback<T> {
     /// How often the CPU waited for the GPU.
     pub fn waits(&self) -> u64 {
         self.waits
+    }
+
+    /// Counts on from another ring's waits.
+    pub fn add_waits(&mut self, waits: u64) {
+        self.waits += waits;
     }
 
     /// Reports that are not collected yet.
@@ -118,7 +126,7 @@ impl<T> Readback<T> {
         if bytes == 0 {
             return Ok(Vec::new());
         }
-        let staging = guarded(device, "allocating a staging buffer", || staging(device, bytes))?;
+        let staging = guarded(device, "allocating a staging buffer", || staging(device, bytes, &self.memory))?;
         let mut encoder =
             device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("freshet:encoder:download") });
         encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
@@ -178,13 +186,14 @@ impl<T> Readback<T> {
     }
 }
 
-fn staging(device: &wgpu::Device, bytes: u64) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
+fn staging(device: &wgpu::Device, bytes: u64, memory: &Memory) -> Held {
+    let about = wgpu::BufferDescriptor {
         label: Some("freshet:buffer:staging"),
         size: bytes,
         usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
         mapped_at_creation: false,
-    })
+    };
+    memory.allocate(device, &about)
 }
 
 fn poll(device: &wgpu::Device, how: wgpu::PollType) -> Result<(), SolverError> {

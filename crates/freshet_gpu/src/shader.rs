@@ -21,7 +21,7 @@ pub(crate) const SCAN_BLOCK: u32 = 1024;
 /// Most workgroups along one axis of a dispatch, WebGPU's default limit.
 pub(crate) const MAX_WORKGROUPS: u32 = 65_535;
 
-type Definitions = HashMap<String, ShaderDefValue>;
+pub(crate) type Definitions = HashMap<String, ShaderDefValue>;
 
 /// What the plan and the options select in the shaders.
 pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitions, SolverError> {

@@ -6,7 +6,7 @@ use crate::layout::Binding;
 #[cfg(doc)]
 use crate::layout::StepControl;
 use crate::passes::Arguments;
-use crate::shader::{compose, definitions, text};
+use crate::shader::{compose, text};
 use crate::solver::GpuSolver;
 
 /// The solver's buffers, for those who draw or read them on the GPU. They have `STORAGE` and `COPY_SRC`.
@@ -50,17 +50,18 @@ impl GpuSolver {
         })
     }
 
-    /// Bytes of all buffers the solver holds, as the buffers themselves say. A tick's commands travel in buffers of that
-    /// tick, which are not in the schedule.
+    /// Bytes of all buffers the solver holds, counted where buffers are made and dropped, apart from the schedule.
+    ///
+    /// A tick's commands travel in buffers of that tick, and downloads through one of their own: these are neither here nor in
+    /// the schedule, and the device frees them when it has done with them.
     pub fn allocated_bytes(&self) -> u64 {
-        let timer = self.timer.as_ref().map_or(0, |timer| timer.buffer().size());
-        self.buffers.bytes() + self.readback.bytes() + timer
+        self.memory.bytes()
     }
 
     /// The WGSL of a pass as the plan selected it, without what it does not use; none if the plan does not have it.
     pub fn shader(&self, pass: &str) -> Option<String> {
-        let pipeline = self.begin.iter().chain(&self.substep).find(|pipeline| pipeline.pass.name == pass)?;
-        let definitions = definitions(&self.plan, &self.options).ok()?;
-        text(compose(&pipeline.pass, &definitions, &self.options).ok()?)
+        let pipeline =
+            self.compiled.begin.iter().chain(&self.compiled.substep).find(|pipeline| pipeline.pass.name == pass)?;
+        text(compose(&pipeline.pass, self.compiled.definitions(), &self.options).ok()?)
     }
 }

@@ -8,16 +8,16 @@ use freshet_core::step::{StepInput, StepReport};
 use glam::Vec3;
 
 use crate::buffers::{Buffers, INPUT_STRIDE, TICK_SLOTS};
-use crate::commands::{CommandPipelines, Edits};
+use crate::commands::Edits;
+use crate::compiled::Compiled;
 use crate::layout::{Binding, BodyInputRecord, ParticleRecord, StepControl, TickRecord};
+use crate::memory::Memory;
 use crate::options::GpuOptions;
-use crate::passes::{Arguments, begin_bodies, begin_tick, substep_passes};
-use crate::pipelines::Pipeline;
+use crate::passes::Arguments;
 use crate::pool::initial_capacity;
 use crate::prediction::substeps_to_encode;
 use crate::readback::Readback;
 use crate::report::Arrival;
-use crate::shader::{compose, definitions};
 use crate::timing::Timer;
 
 /// A tick that was told to the solver and waits to be encoded.
@@ -61,11 +61,10 @@ pub struct GpuSolver {
     pub(crate) plan: Plan,
     pub(crate) options: GpuOptions,
     pub(crate) schedule: Schedule,
+    pub(crate) memory: Memory,
     pub(crate) buffers: Buffers,
-    pub(crate) begin: Vec<Pipeline>,
-    pub(crate) substep: Vec<Pipeline>,
-    pub(crate) commands: CommandPipelines,
-    /// Bind groups of `begin`, then of `substep`.
+    pub(crate) compiled: Compiled,
+    /// Bind groups of the passes that begin a tick, then of those of a substep.
     pub(crate) groups: Vec<wgpu::BindGroup>,
     pub(crate) timer: Option<Timer>,
     pub(crate) readback: Readback<TickMemo>,
@@ -96,32 +95,35 @@ impl GpuSolver {
         plan: Plan,
         options: GpuOptions,
     ) -> Result<Self, SolverError> {
-        options.validate()?;
-        let definitions = definitions(&plan, &options)?;
-        let compile = |pass| Pipeline::new(device, compose(&pass, &definitions, &options)?, pass);
-        let substep = substep_passes(&plan).into_iter().map(compile).collect::<Result<Vec<_>, _>>()?;
-        let mut begin = vec![compile(begin_tick())?];
-        if !plan.bodies.is_empty() {
-            begin.push(compile(begin_bodies())?);
-        }
-        let commands = CommandPipelines::new(options.workgroup_size, compile)?;
+        Self::with_compiled(device, queue, plan, options, None)
+    }
 
+    /// As [`new`](Self::new), with the pipelines of an earlier plan where they are the same.
+    pub(crate) fn with_compiled(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        plan: Plan,
+        options: GpuOptions,
+        earlier: Option<&Compiled>,
+    ) -> Result<Self, SolverError> {
+        options.validate()?;
+        let compiled = Compiled::new(device, &plan, options, earlier)?;
+        let memory = Memory::default();
         let start = plan.positions.len() as u32;
-        let buffers = Buffers::new(device, queue, &plan, initial_capacity(start, plan.max_particles))?;
-        let names = substep.iter().map(|pipeline| pipeline.pass.name).collect();
-        let timer = if options.time_stamps { Timer::new(device, queue, names)? } else { None };
+        let buffers = Buffers::new(device, queue, &plan, initial_capacity(start, plan.max_particles), &memory)?;
+        let names = compiled.substep.iter().map(|pipeline| pipeline.pass.name).collect();
+        let timer = if options.time_stamps { Timer::new(device, queue, names, &memory)? } else { None };
         let mut solver = Self {
             device: device.clone(),
             queue: queue.clone(),
             schedule: Schedule { backend: "gpu", passes: Vec::new(), buffers: Vec::new(), capacity: 0 },
-            readback: Readback::new(device, TICK_SLOTS, report_bytes(&buffers, timer.as_ref()))?,
+            readback: Readback::new(device, TICK_SLOTS, report_bytes(&buffers, timer.as_ref()), &memory)?,
             gravity: plan.parameters.gravity,
             plan,
             options,
+            memory,
             buffers,
-            begin,
-            substep,
-            commands,
+            compiled,
             groups: Vec::new(),
             timer,
             prepared: VecDeque::new(),
@@ -191,7 +193,7 @@ impl GpuSolver {
     }
 
     /// How often the CPU waited for the GPU: never, in the pipelined mode, unless more than
-    /// [`TICKS_IN_FLIGHT`](crate::TICKS_IN_FLIGHT) ticks were on their way.
+    /// [`TICKS_IN_FLIGHT`](crate::TICKS_IN_FLIGHT) ticks were on their way. Steps, snapshots, reads and changes of the plan wait.
     pub fn waits(&self) -> u64 {
         self.readback.waits()
     }
@@ -235,7 +237,7 @@ impl GpuSolver {
 
     /// Makes the bind groups and the schedule anew, after buffers were replaced.
     pub(crate) fn rebind(&mut self) -> Result<(), SolverError> {
-        let pipelines = self.begin.iter().chain(&self.substep);
+        let pipelines = self.compiled.begin.iter().chain(&self.compiled.substep);
         self.groups = crate::errors::guarded(&self.device, "making bind groups", || {
             pipelines.map(|pipeline| pipeline.bind(&self.device, &self.buffers, &[])).collect()
         })?;
@@ -248,7 +250,7 @@ impl GpuSolver {
         }
         self.schedule = Schedule {
             backend: "gpu",
-            passes: self.substep.iter().filter_map(|pipeline| pipeline.pass.scheduled()).collect(),
+            passes: self.compiled.substep.iter().filter_map(|pipeline| pipeline.pass.scheduled()).collect(),
             buffers,
             capacity: self.buffers.capacity,
         };

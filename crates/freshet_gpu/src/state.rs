@@ -1,8 +1,7 @@
 //! Reading and writing the whole state, waiting for the GPU.
 
-use freshet_core::error::InvalidInput;
 use freshet_core::field::{Field, FieldData};
-use freshet_core::snapshot::{BodyPose, Exchange, Snapshot};
+use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, check_room};
 use freshet_core::solver::SolverError;
 use freshet_core::step::{BodyInput, Impulse, StepInput};
 
@@ -99,18 +98,15 @@ impl GpuSolver {
 
     pub(crate) fn load_snapshot(&mut self, snapshot: &Snapshot) -> Result<(), SolverError> {
         snapshot.validate()?;
+        check_room(snapshot.ids.len(), self.plan.max_particles)?;
         let count = snapshot.ids.len() as u32;
-        if count > self.plan.max_particles {
-            let allowed = format!("at most {}, the plan's max_particles", self.plan.max_particles);
-            return Err(InvalidInput::new("ids", format_args!("{count} particles"), allowed).into());
-        }
         self.finish_ticks()?;
         self.prepared.clear();
         self.late.clear();
         self.spawning.clear();
         if count > self.buffers.capacity {
             let capacity = count.next_power_of_two().min(self.plan.max_particles);
-            self.buffers = Buffers::new(&self.device, &self.queue, &self.plan, capacity)?;
+            self.buffers = Buffers::new(&self.device, &self.queue, &self.plan, capacity, &self.memory)?;
             self.rebind()?;
         }
         self.gravity = snapshot.gravity;

@@ -4,6 +4,7 @@ use freshet_core::solver::SolverError;
 use freshet_core::step::PassTime;
 
 use crate::errors::guarded;
+use crate::memory::{Held, Memory};
 
 /// Substeps of a tick whose passes are measured; the times of the others are taken to be the same.
 pub const MEASURED_SUBSTEPS: u32 = 16;
@@ -12,7 +13,7 @@ pub const MEASURED_SUBSTEPS: u32 = 16;
 #[derive(Debug)]
 pub(crate) struct Timer {
     set: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
+    resolved: Held,
     passes: Vec<&'static str>,
     period: f32,
 }
@@ -23,6 +24,7 @@ impl Timer {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         passes: Vec<&'static str>,
+        memory: &Memory,
     ) -> Result<Option<Self>, SolverError> {
         if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
             return Ok(None);
@@ -34,12 +36,13 @@ impl Timer {
                 ty: wgpu::QueryType::Timestamp,
                 count,
             });
-            let resolved = device.create_buffer(&wgpu::BufferDescriptor {
+            let about = wgpu::BufferDescriptor {
                 label: Some("freshet:buffer:time_stamps"),
                 size: 8 * u64::from(count),
                 usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
-            });
+            };
+            let resolved = memory.allocate(device, &about);
             (set, resolved)
         })?;
         Ok(Some(Self { set, resolved, passes, period: queue.get_timestamp_period() }))

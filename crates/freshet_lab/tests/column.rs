@@ -4,21 +4,28 @@ use freshet_lab::backend::Backend;
 use freshet_lab::commands::column::{simulate, verdict};
 use freshet_lab::error::LabError;
 use freshet_lab::progress::Progress;
+use freshet_lab::scenes::column::Container;
 
-fn assert_at_rest(backend: Backend, seconds: f64) -> Result<(), LabError> {
-    let verdict = verdict(&[simulate(backend, seconds, None, &mut Progress::hidden())?]);
+fn assert_at_rest(backend: Backend, container: Container, seconds: f64) -> Result<(), LabError> {
+    let verdict = verdict(&[simulate(backend, container, seconds, None, &mut Progress::hidden())?]);
+    println!("{verdict}");
     assert!(verdict.passes(), "\n{verdict}");
     Ok(())
 }
 
 #[test]
 fn the_column_rests_on_the_cpu() -> Result<(), LabError> {
-    assert_at_rest(Backend::Cpu, 10.0)
+    assert_at_rest(Backend::Cpu, Container::Body, 10.0)
+}
+
+#[test]
+fn the_column_rests_between_walls_on_the_cpu() -> Result<(), LabError> {
+    assert_at_rest(Backend::Cpu, Container::Walls, 10.0)
 }
 
 /// Two seconds: ten are 44,000 substeps, which take a software driver on two busy cores ten minutes. The full form is
 /// `freshet_lab column --backend gpu`; only the bound on the mean speed needs it.
 #[test]
 fn the_column_rests_on_the_gpu() -> Result<(), LabError> {
-    assert_at_rest(Backend::Gpu, 2.0)
+    assert_at_rest(Backend::Gpu, Container::Body, 2.0)
 }

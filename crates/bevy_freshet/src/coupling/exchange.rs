@@ -29,7 +29,14 @@ pub(crate) fn begin_tick(
     configuration: Query<&RapierConfiguration, With<DefaultRapierContext>>,
     mut rapier: WriteRapierContext,
 ) {
-    let (Ok(mut context), Ok(configuration)) = (rapier.single_mut(), configuration.single()) else { return };
+    let (Ok(mut context), Ok(configuration)) = (rapier.single_mut(), configuration.single()) else {
+        // Bodies begin anew when there is one context again: they cannot make up for the ticks they miss.
+        for (mut state, mut coupling) in &mut domains {
+            state.pushes.clear();
+            coupling.bodies.clear();
+        }
+        return;
+    };
     for (mut state, mut coupling) in &mut domains {
         receive(&mut commands, &mut state, &mut coupling, &mut context);
         if state.engine.is_none() || state.stopped {

@@ -8,6 +8,7 @@ use bevy_rapier3d::rapier::math::Pose;
 use freshet_core::scene::FluidScene;
 use freshet_rapier::body_from_rigid_body;
 
+use super::fitness::Uncoupled;
 use crate::components::body::FluidBody;
 use crate::components::domain::FluidDomain;
 use crate::components::membership::FluidInDomain;
@@ -48,7 +49,7 @@ type Bodies<'w, 's> = Query<
         Option<&'static BodySamples>,
         Option<&'static Name>,
     ),
-    With<FluidBody>,
+    (With<FluidBody>, Without<Uncoupled>),
 >;
 
 /// Samples bodies that are new or have changed.

@@ -25,6 +25,7 @@ pub(crate) fn carry_out(
     hardware: &Hardware,
 ) {
     state.body_entities = recipe.bodies.iter().map(|(entity, _)| *entity).collect();
+    state.emitters = recipe.sources.iter().map(|source| source.entity).collect();
     stats.notes.clone_from(&plan.notes);
     let Some(old) = &state.plan else {
         state.engine = start(domain, backend, &plan, None, (state, stats), hardware);

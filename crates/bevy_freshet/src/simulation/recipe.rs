@@ -7,8 +7,8 @@ use freshet_core::scene::{Boundary, FluidScene, Settings, Volume};
 
 use crate::components::domain::FluidDomain;
 
-/// Change of a pose, m or radians, below which walls count as unmoved: a domain that moves with its walls as children
-/// would otherwise be planned anew each tick for rounding errors. A thousandth of the finest spacing in use.
+/// Change of a pose, m or radians, up to which walls count as unmoved: a domain that moves with its walls as children
+/// would otherwise be planned anew each tick for rounding errors. A tenth of the finest spacing allowed.
 const SAME_PLACE: f32 = 1e-5;
 
 /// A boundary and where it came from.
@@ -73,12 +73,16 @@ impl Recipe {
             && same(&self.walls, &other.walls, |a, b| {
                 a.entity == b.entity
                     && a.boundary.shape == b.boundary.shape
-                    && a.boundary.center.abs_diff_eq(b.boundary.center, SAME_PLACE)
-                    && a.boundary.rotation.angle_between(b.boundary.rotation) <= SAME_PLACE.sqrt()
+                    && a.boundary.viscous_faces == b.boundary.viscous_faces
+                    && a.boundary.center.distance(b.boundary.center) <= SAME_PLACE
+                    && angle_between(a.boundary.rotation, b.boundary.rotation) <= SAME_PLACE
             })
             && same(&self.sources, &other.sources, |a, b| {
                 let (a, b) = ((a.entity, &a.emitter), (b.entity, &b.emitter));
-                a.0 == b.0 && (a.1.radius, a.1.speed, a.1.lifetime) == (b.1.radius, b.1.speed, b.1.lifetime)
+                a.0 == b.0
+                    && (a.1.radius, a.1.speed, a.1.lifetime) == (b.1.radius, b.1.speed, b.1.lifetime)
+                    // One that moves out of range is refused, until it is back.
+                    && a.1.validate().is_ok() == b.1.validate().is_ok()
             })
     }
 
@@ -96,6 +100,64 @@ impl Recipe {
     }
 }
 
+/// Angle between rotations, radians. `Quat::angle_between` takes an arc cosine near one, where rounding alone makes 1e-3.
+fn angle_between(a: Quat, b: Quat) -> f32 {
+    let (a, b) = (Vec4::from(a), Vec4::from(b));
+    // Opposite quaternions are the same rotation; unit ones at an angle t are 2 sin(t / 4) apart.
+    4.0 * (a.distance(b).min(a.distance(-b)) / 2.0).min(1.0).asin()
+}
+
 fn same<T>(a: &[T], b: &[T], equal: impl Fn(&T, &T) -> bool) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| equal(a, b))
+}
+
+#[cfg(test)]
+mod tests {
+    use freshet_core::scene::BoundaryShape;
+
+    use super::*;
+
+    fn recipe(boundary: Boundary) -> Recipe {
+        let wall = Wall { entity: Entity::PLACEHOLDER, component: "FluidContainer", boundary };
+        Recipe {
+            spacing: 0.1,
+            settings: Settings::default(),
+            material: Material::water(),
+            gravity: Vec3::NEG_Y,
+            walls: vec![wall],
+            sources: Vec::new(),
+            bodies: Vec::new(),
+            fresh: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn angles_are_right_from_rounding_to_half_a_turn() {
+        let axis = Vec3::new(1.0, -2.0, 0.5).normalize();
+        let start = Quat::from_euler(EulerRot::YXZ, 0.7, -0.3, 2.0);
+        for angle in [0.0f32, 1e-5, 1e-3, 0.5, 3.0] {
+            let turned = start * Quat::from_axis_angle(axis, angle);
+            for turned in [turned, -turned] {
+                // Rounding of the components, 6e-8 each.
+                let wrong = (angle_between(start, turned) - angle).abs();
+                assert!(wrong < 1e-6 + 1e-5 * angle, "{angle}: {wrong}");
+            }
+        }
+    }
+
+    #[test]
+    fn walls_that_turn_move_or_become_slippery_are_planned_anew() {
+        let half_extents = Vec3::ONE;
+        let wall = Boundary::new(BoundaryShape::Box { half_extents }, Vec3::ZERO);
+        let planned = recipe(wall.clone());
+        let turned = |angle| Boundary { rotation: Quat::from_rotation_y(angle), ..wall.clone() };
+        let moved = |x| Boundary { center: Vec3::X * x, ..wall.clone() };
+        for unmoved in [wall.clone(), turned(0.5 * SAME_PLACE), moved(0.5 * SAME_PLACE)] {
+            assert!(recipe(unmoved).is_served_by(&planned));
+        }
+        let slippery = wall.clone().with_viscous_faces([true, true, false, true, true, true]);
+        for changed in [turned(2.0 * SAME_PLACE), turned(1e-3), moved(2.0 * SAME_PLACE), slippery] {
+            assert!(!recipe(changed.clone()).is_served_by(&planned), "{changed:?}");
+        }
+    }
 }

@@ -2,7 +2,8 @@
 
 use bevy::prelude::*;
 
-/// What the plugin does in each fixed tick, in this order, between rapier's `SyncBackend` and `StepSimulation`.
+/// What the plugin does in each fixed tick, in this order: all but the last between rapier's `SyncBackend` and
+/// `StepSimulation`, `Complete` between its `StepSimulation` and `Writeback`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FreshetSystems {
     /// Finds out what changed, and plans anew. Spawn and change fluid components before this to see them in this tick.

@@ -71,6 +71,8 @@ pub(crate) struct DomainState {
     pub(crate) gravity: Vec3,
     /// Simulated time, as far as it is known.
     pub(crate) clock: SimulatedClock,
+    /// Emitters of the plan; those that were refused are only in the recipe.
+    pub(crate) emitters: Vec<Entity>,
     /// What each emitter has sent.
     pub(crate) flows: HashMap<Entity, EmitterFlow>,
     /// From the domain's frame to the world.

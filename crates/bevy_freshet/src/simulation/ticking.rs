@@ -1,7 +1,7 @@
 //! Sends the ticks.
 
 use bevy::prelude::*;
-use freshet_core::emitter::EmitterFlow;
+use freshet_core::emitter::{Emitter, EmitterFlow};
 use freshet_core::step::{BodyInput, Command, StepInput};
 
 use super::collecting::wait_for_all;
@@ -24,7 +24,7 @@ pub(crate) fn send_ticks(
         let state = &mut *state;
         let (Some(engine), Some(plan), false) = (&mut state.engine, &state.plan, state.stopped) else { continue };
         // Emitters follow simulated time; where it turns out otherwise than expected, the solver puts the layers right.
-        let span = state.clock.span(duration);
+        let (span, spacing) = (state.clock.span(duration), plan.parameters.spacing);
         let sources = state.recipe.as_ref().map(|recipe| recipe.sources.as_slice()).unwrap_or_default();
         state.flows.retain(|entity, _| sources.iter().any(|source| source.entity == *entity));
         for source in sources {
@@ -32,12 +32,16 @@ pub(crate) fn send_ticks(
             let emitter = emitters.get(source.entity).ok().filter(|emitter| emitter.enabled);
             let pose = rigid_frame(&transforms, source.entity).ok();
             let now = emitter.zip(pose).map(|(emitter, pose)| to_emitter(emitter, state.frame.inverse() * pose));
-            // A refused emitter is in the recipe, as it was asked for.
-            let Some(now) = now.filter(|now| now.validate().is_ok()) else {
+            // A refused emitter is in the recipe, as it was asked for; one that is not refused may have moved out of range. The
+            // flow is checked again because a layer of a wrong one would not fit into memory.
+            let may_flow = |now: &Emitter| {
+                state.emitters.contains(&source.entity) && now.validate().and_then(|()| now.check_flow(spacing)).is_ok()
+            };
+            let Some(now) = now.filter(may_flow) else {
                 flow.pause(span.end);
                 continue;
             };
-            for layer in now.layers(plan.parameters.spacing, flow, &span) {
+            for layer in now.layers(spacing, flow, &span) {
                 state.pours.spawn(state.tick, None, layer.positions.len() as u32);
                 state.commands.push(Command::Spawn(layer));
             }

@@ -28,6 +28,12 @@ impl BodySamples {
         self.sorted.sort(grid, &self.positions, &self.volumes);
     }
 
+    /// Bytes allocated.
+    pub fn bytes(&self) -> u64 {
+        let unsorted = size_of::<Vec3>() * self.positions.capacity() + 4 * self.volumes.capacity();
+        self.sorted.bytes() + unsorted as u64
+    }
+
     /// Position of a sample by its source index, m.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions

@@ -104,7 +104,9 @@ impl Sorter {
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
         let cursors: usize = self.cursors.iter().map(Vec::capacity).sum();
-        4 * (self.starts.capacity() + self.keys.capacity() + self.order.capacity() + cursors) as u64
+        let lists = size_of::<Chunk>() * self.chunks.capacity() + size_of::<Vec<u32>>() * self.cursors.capacity();
+        let numbers = self.starts.capacity() + self.keys.capacity() + self.order.capacity() + cursors;
+        (4 * numbers + lists) as u64
     }
 
     /// Keys, and a histogram for each block of particles.

@@ -62,16 +62,23 @@ fn momentum_given_to_a_body_is_lost_by_the_fluid() {
     };
     // Fixed, so that angular momentum about its centre is easily moved to the origin.
     let fixed = BodyInput { inverse_mass: 0.0, inverse_inertia: Mat3::ZERO, ..body };
-    let input = StepInput { duration: 0.005, bodies: vec![fixed], ..Default::default() };
-    let report = solver.step(&input).unwrap();
-    let given = report.bodies[0];
-    assert!(given.linear.length() > 0.01, "{given:?}");
-    let (linear, angular) = momentum(&solver.snapshot().unwrap());
-    let balance = (linear + given.linear.as_dvec3()).length() / f64::from(given.linear.length());
-    assert!(balance < 2e-4, "linear momentum {linear} and {}", given.linear);
-    let about_origin = given.angular.as_dvec3() + fixed.position.as_dvec3().cross(given.linear.as_dvec3());
-    let balance = (angular + about_origin).length() / about_origin.length().max(1e-3);
-    assert!(balance < 2e-3, "angular momentum {angular} and {about_origin}");
+    let mut given = (glam::DVec3::ZERO, glam::DVec3::ZERO);
+    for (number, duration) in [0.005, 0.05, 0.1].into_iter().enumerate() {
+        let input = StepInput { bodies: vec![fixed], ..tick(number as u64, duration) };
+        let report = solver.step(&input).unwrap();
+        let impulse = report.bodies[0];
+        given.0 += impulse.linear.as_dvec3();
+        given.1 += impulse.angular.as_dvec3() + fixed.position.as_dvec3().cross(impulse.linear.as_dvec3());
+        assert!(given.0.length() > 0.1, "{given:?}");
+        let (linear, angular) = momentum(&solver.snapshot().unwrap());
+        // What is left is rounding: each of 1000 particles of 0.125 kg rounds a velocity of 1 m/s by 6e-8 of it, to either side, in
+        // each of 22 substeps: 1e-6 N s, of 0.5 to 8 exchanged. Measured: 1e-7 of the linear and 8e-7 of the angular momentum. A
+        // force that acts on one side only shows at 1e-2 and above.
+        let balance = (linear + given.0).length() / given.0.length();
+        assert!(balance < 1e-5, "linear momentum {linear} and {}", given.0);
+        let balance = (angular + given.1).length() / given.1.length();
+        assert!(balance < 1e-5, "angular momentum {angular} and {}", given.1);
+    }
 }
 
 #[test]

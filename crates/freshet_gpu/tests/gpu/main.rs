@@ -10,5 +10,6 @@ mod drawing;
 mod forces;
 mod lowering;
 mod pipelined;
+mod reconfigure;
 mod reference;
 mod sorting;

@@ -1,7 +1,7 @@
-//! A column of water at rest in a container that fits it. The container is a body, so that what it carries is reported.
+//! A column of water at rest in a container that fits it.
 
 use freshet_core::plan::SceneError;
-use freshet_core::scene::{Body, FluidScene, Volume};
+use freshet_core::scene::{Body, Boundary, FluidScene, Volume};
 use freshet_core::step::BodyInput;
 use glam::Vec3;
 
@@ -16,8 +16,42 @@ const WALLS: f64 = 0.65;
 /// Particles of a layer.
 pub const PER_LAYER: usize = 100;
 
+/// What the container is to the solver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Container {
+    /// A body that the fluid cannot move, so that what it carries is reported. Fluid slips along it freely.
+    Body,
+    /// Walls, viscous as they are by default.
+    Walls,
+}
+
+impl Container {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Body, Self::Walls];
+
+    /// Name, as in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Body => "body",
+            Self::Walls => "walls",
+        }
+    }
+
+    /// The bodies of the scene where they stand.
+    pub fn bodies(self) -> Vec<BodyInput> {
+        match self {
+            Self::Body => vec![BodyInput { position: center(), ..BodyInput::default() }],
+            Self::Walls => Vec::new(),
+        }
+    }
+}
+
+fn center() -> Vec3 {
+    Vec3::new(0.0, WALLS as f32 / 2.0, 0.0)
+}
+
 /// 2,000 particles in an open container whose floor is at y = 0.
-pub fn scene() -> Result<FluidScene, SceneError> {
+pub fn scene(container: Container) -> Result<FluidScene, SceneError> {
     let column = Vec3::new(BASE as f32, DEPTH as f32, BASE as f32);
     let size = Vec3::new(BASE as f32, WALLS as f32, BASE as f32);
     let mut scene = FluidScene {
@@ -25,15 +59,15 @@ pub fn scene() -> Result<FluidScene, SceneError> {
         volumes: vec![Volume::block(column / 2.0, Vec3::new(0.0, column.y / 2.0, 0.0))],
         ..FluidScene::with_spacing(SPACING as f32)
     };
-    let open = [false, false, false, true, false, false];
-    let samples = scene.wall_layer()?.container(size / 2.0, open)?;
-    scene.bodies.push(Body { name: "container".to_owned(), samples });
+    match container {
+        Container::Walls => scene.boundaries.push(Boundary::open_box(size, center())),
+        Container::Body => {
+            let open = [false, false, false, true, false, false];
+            let samples = scene.wall_layer()?.container(size / 2.0, open)?;
+            scene.bodies.push(Body { name: "container".to_owned(), samples });
+        }
+    }
     Ok(scene)
-}
-
-/// The container where it stands; the fluid cannot move it.
-pub fn container() -> BodyInput {
-    BodyInput { position: Vec3::new(0.0, WALLS as f32 / 2.0, 0.0), ..BodyInput::default() }
 }
 
 #[cfg(test)]
@@ -44,12 +78,14 @@ mod tests {
 
     #[test]
     fn column_and_container_fit() -> Result<(), SceneError> {
-        let plan = Plan::new(&scene()?)?;
-        assert_eq!(plan.positions.len(), 2_000);
-        let heights = plan.bodies[0].samples.iter().map(|sample| sample.y + container().position.y);
-        let lowest = heights.fold(f32::INFINITY, f32::min);
-        let depth = plan.parameters.boundary_depth;
-        assert!((lowest + depth).abs() < 1e-5, "samples {depth} below the floor, not {lowest}");
+        for container in Container::ALL {
+            let plan = Plan::new(&scene(container)?)?;
+            assert_eq!(plan.positions.len(), 2_000);
+            let of_body = plan.bodies.iter().flat_map(|body| &body.samples).map(|sample| sample.y + center().y);
+            let lowest = of_body.chain(plan.boundary.positions.iter().map(|wall| wall.y)).fold(f32::INFINITY, f32::min);
+            let depth = plan.parameters.boundary_depth;
+            assert!((lowest + depth).abs() < 1e-5, "samples {depth} below the floor, not {lowest}");
+        }
         assert!((BASE / SPACING).powi(2) as usize == PER_LAYER);
         Ok(())
     }
