@@ -285,7 +285,10 @@ impl Plan {
         let (mut positions, velocities, volume_ids) = sample_volumes(&scene.volumes, spacing)?;
         let layer = WallLayer::new(&kernel, spacing);
         let boundary = sample_boundaries(&scene.boundaries, &layer)?;
-        let bodies: Vec<PlannedBody> = scene.bodies.iter().map(|body| plan_body(body, &layer)).collect();
+        let plan_body = |(index, body)| {
+            plan_body(body, &layer, support_radius).map_err(|error| error.inside(format_args!("bodies[{index}]")))
+        };
+        let bodies = scene.bodies.iter().enumerate().map(plan_body).collect::<Result<Vec<PlannedBody>, _>>()?;
 
         let extent = Extent::of(positions.iter().chain(&boundary.positions), scene, support_radius);
         check_precision(extent.min.abs().max(extent.max.abs()), spacing)?;
@@ -621,9 +624,24 @@ fn check_bounds((min, max): (Vec3, Vec3), positions: &[Vec3]) -> Result<(Vec3, V
     Ok((min, max))
 }
 
-fn plan_body(body: &Body, layer: &WallLayer) -> PlannedBody {
+fn plan_body(body: &Body, layer: &WallLayer, support_radius: f32) -> Result<PlannedBody, InvalidInput> {
+    check_crowding(&body.samples, support_radius)?;
     let volumes = layer.volumes(&body.samples);
-    PlannedBody { name: body.name.clone(), samples: body.samples.clone(), volumes }
+    Ok(PlannedBody { name: body.name.clone(), samples: body.samples.clone(), volumes })
+}
+
+/// Most samples of a body in a cube of the support radius: a layer a spacing apart has about ten there. All that share a place
+/// are each other's neighbours, so the work grows with the square of this.
+const MAX_CROWD: usize = 1000;
+
+fn check_crowding(samples: &[Vec3], support_radius: f32) -> Result<(), InvalidInput> {
+    let cell = |sample: &Vec3| (*sample / support_radius).floor().as_i64vec3().to_array();
+    let mut cells: Vec<[i64; 3]> = samples.iter().map(cell).collect();
+    cells.sort_unstable();
+    let Some(crowd) = cells.chunk_by(|a, b| a == b).find(|crowd| crowd.len() > MAX_CROWD) else { return Ok(()) };
+    let near = Vec3::from(crowd[0].map(|index| index as f32)) * support_radius;
+    let value = format!("{} in a cube of {support_radius} m near {near}", crowd.len());
+    Err(InvalidInput::new("samples", value, format_args!("up to {MAX_CROWD} there; they should lie a spacing apart")))
 }
 
 struct Extent {

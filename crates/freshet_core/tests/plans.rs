@@ -503,3 +503,16 @@ fn a_grid_has_no_more_cells_than_asked_for() {
     // The longest axes give way first, so that a long channel keeps its cross-section.
     assert_eq!(Grid::fitting(1.0, Vec3::new(1000.0, 5.0, 5.0), 1 << 9).dimensions().to_array(), [8, 8, 8]);
 }
+
+#[test]
+fn a_crowd_of_samples_is_refused_before_it_takes_minutes() {
+    let crowd = Body { name: "crowd".to_owned(), samples: vec![Vec3::ONE; 1_000_000] };
+    let begin = std::time::Instant::now();
+    let message = refused(&FluidScene { bodies: vec![cork(), crowd], ..dam_break() });
+    assert!(
+        message.contains("bodies[1].samples") && message.contains("1000000") && message.contains("up to 1000"),
+        "{message}"
+    );
+    // Half a million million pairs would be minutes.
+    assert!(begin.elapsed().as_secs() < 10, "{:?}", begin.elapsed());
+}
