@@ -2,6 +2,7 @@
 //! energy grows by no more than a twentieth.
 
 use freshet_core::prelude::*;
+use freshet_gpu::{DeviceRequest, GpuOptions, GpuSolver, open_device};
 use freshet_lab::backend::Backend;
 
 /// A tank of 1.2 x 1 x 0.5 with a block of 0.5^3 in a corner, in units of `length`.
@@ -197,4 +198,19 @@ fn a_hundred_thousand_commands() {
         assert_eq!((report.refused, report.retired), (5_000 - room, room), "tick {tick}: {report:?}");
         assert_eq!((report.removed, report.particles), (0, start), "tick {tick}: {report:?}");
     }
+}
+
+/// Five million particles need 160 MB in one binding; WebGPU promises 128 MiB.
+#[test]
+fn millions_of_particles_on_a_device_that_cannot_hold_them() {
+    let spacing = 0.01;
+    let block = Vec3::splat(171.0 * spacing);
+    let scene =
+        FluidScene { volumes: vec![Volume::block(block / 2.0, Vec3::ZERO)], ..FluidScene::with_spacing(spacing) };
+    let plan = Plan::new(&scene).unwrap();
+    assert!(plan.positions.len() == 171 * 171 * 171, "{}", plan.positions.len());
+    let opened = open_device(DeviceRequest::default()).unwrap();
+    let error = GpuSolver::new(&opened.device, &opened.queue, plan, GpuOptions::default()).err().unwrap();
+    let SolverError::WeakAdapter { limit, offered, needed, .. } = &error else { panic!("{error:?}") };
+    assert!(limit.contains("storage_buffer") && needed > offered, "{error}");
 }
