@@ -1,0 +1,54 @@
+//! A plan as text: what a scene costs and why.
+
+use std::fmt;
+
+use super::Plan;
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let p = &self.parameters;
+        writeln!(f, "plan{}{}", if self.name.is_empty() { "" } else { " of " }, self.name)?;
+        writeln!(
+            f,
+            "  {} particles of {:.4e} kg at the start, at most {}; spacing {} m, {} kernel of support {} m",
+            self.positions.len(),
+            p.particle_mass,
+            self.max_particles,
+            p.spacing,
+            p.kernel.name(),
+            p.support_radius
+        )?;
+        writeln!(
+            f,
+            "  density calibration {:.4}, gradient calibration {:.4}, walls {:.3} spacings behind their face with gamma {:.3}; {} wall samples, {} bodies with {} samples",
+            p.density_calibration,
+            p.gradient_calibration,
+            p.boundary_depth / p.spacing,
+            p.boundary_gamma,
+            self.boundary.positions.len(),
+            self.bodies.len(),
+            self.body_samples()
+        )?;
+        writeln!(
+            f,
+            "  {} with sound speed {:.3} m/s{}; alpha {}; step factors {} {} {}; first limit {:.3e} s",
+            p.pressure_law.equation.name(),
+            p.sound_speed,
+            if p.pressure_law.clamp_negative { ", clamped at zero" } else { "" },
+            p.artificial_viscosity,
+            p.courant_factor,
+            p.force_factor,
+            p.viscous_factor,
+            p.substep_limit(0.0, p.gravity.length())
+        )?;
+        let cells = self.grid.dimensions();
+        writeln!(f, "  wrapped grid of {} x {} x {} cells", cells.x, cells.y, cells.z)?;
+        for stage in &self.stages {
+            writeln!(f, "  stage {:<13} {}", stage.kind.name(), stage.reason)?;
+        }
+        for note in &self.notes {
+            writeln!(f, "  note  {note}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,210 @@
+//! From scene to plan: a pure function that decides what is executed, and says why.
+
+mod checks;
+mod display;
+mod error;
+mod extent;
+mod parameters;
+mod resolution;
+mod sampling;
+mod speeds;
+mod stages;
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+
+pub use self::error::SceneError;
+pub use self::parameters::Parameters;
+pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_volume};
+pub use self::stages::{Stage, StageKind};
+
+use self::checks::{check_bounds, check_precision, max_particles};
+use self::extent::Extent;
+use self::resolution::{kernel_of, spacing_of};
+use self::sampling::{plan_body, sample_boundaries, sample_volumes, stand};
+use self::speeds::{equation_and_sound_speed, expected_speed};
+use self::stages::stages;
+use crate::emitter::Emitter;
+use crate::equation_of_state::PressureLaw;
+use crate::error::{InvalidInput, check_range};
+use crate::field::Field;
+use crate::grid::Grid;
+use crate::sampling::wall_layer::WallLayer;
+use crate::scene::{FluidScene, MAX_SPACING, MIN_SPACING};
+
+/// What is executed, in order, with the reason of each stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The scene's name.
+    pub name: String,
+    /// All numbers.
+    pub parameters: Parameters,
+    /// Stages of one substep, in order.
+    pub stages: Vec<Stage>,
+    /// Fields that can be read.
+    pub fields: Vec<Field>,
+    /// The grid of all neighbour searches.
+    pub grid: Grid,
+    /// Where particles start, m, in the order of their ids.
+    pub positions: Vec<Vec3>,
+    /// Velocities they start with, m/s.
+    pub velocities: Vec<Vec3>,
+    /// For each volume of the scene, its first id and its number of particles.
+    pub volume_ids: Vec<(u32, u32)>,
+    /// Emitters, whose layers become commands of the ticks.
+    pub emitters: Vec<Emitter>,
+    /// Samples of boundaries.
+    pub boundary: PlannedBoundary,
+    /// Samples of bodies.
+    pub bodies: Vec<PlannedBody>,
+    /// Most particles there may ever be.
+    pub max_particles: u32,
+    /// Wall time a tick may take, ms.
+    pub budget_milliseconds: Option<f32>,
+    /// Whether particles can have a lifetime.
+    pub lifetimes: bool,
+    /// What the user should know: choices made for them, warnings.
+    pub notes: Vec<String>,
+}
+
+/// Largest speed of sound, m/s, as of the equations of state.
+const MAX_SOUND_SPEED: f32 = 1e4;
+
+impl Plan {
+    /// Plans a scene.
+    ///
+    /// # Errors
+    /// Any value out of range, volumes that overlap or reach out of the bounds, a spacing larger than a volume, too many
+    /// particles, or a speed of sound below ten times the expected speed without [`Settings::allow_compressible`](crate::scene::Settings::allow_compressible).
+    pub fn new(scene: &FluidScene) -> Result<Self, SceneError> {
+        scene.validate()?;
+        let settings = &scene.settings;
+        let mut notes = Vec::new();
+        let spacing = spacing_of(scene);
+        check_range("resolution", spacing, MIN_SPACING, MAX_SPACING, "m between particles")?;
+        let kernel = kernel_of(scene, spacing)?;
+        let support_radius = kernel.support_radius();
+
+        for (index, emitter) in scene.emitters.iter().enumerate() {
+            emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;
+        }
+        let (mut positions, velocities, volume_ids) = sample_volumes(&scene.volumes, spacing)?;
+        let layer = WallLayer::new(&kernel, spacing);
+        let boundary = sample_boundaries(&scene.boundaries, &layer)?;
+        let plan_body = |(index, body)| {
+            plan_body(body, &layer, support_radius).map_err(|error| error.inside(format_args!("bodies[{index}]")))
+        };
+        let bodies = scene.bodies.iter().enumerate().map(plan_body).collect::<Result<Vec<PlannedBody>, _>>()?;
+
+        let extent = Extent::of(positions.iter().chain(&boundary.positions), scene, support_radius);
+        check_precision(extent.min.abs().max(extent.max.abs()), spacing)?;
+        let (expected_speed, speed_reason) = expected_speed(scene, &positions, &boundary.positions, &layer);
+        let rest_density = scene.material.rest_density;
+        let (equation, sound_speed) = equation_and_sound_speed(settings, rest_density, expected_speed);
+        if sound_speed > MAX_SOUND_SPEED {
+            let allowed = format!("up to {MAX_SOUND_SPEED} m/s; it is ten times the expected speed: {speed_reason}");
+            return Err(InvalidInput::new("settings.sound_speed", sound_speed, allowed).into());
+        }
+        let least = 10.0 * expected_speed;
+        if sound_speed < least * 0.999 {
+            if !settings.allow_compressible {
+                return Err(SceneError::Compressible {
+                    field: match settings.equation_of_state {
+                        Some(_) => "settings.equation_of_state",
+                        None => "settings.sound_speed",
+                    },
+                    sound_speed: sound_speed.to_string(),
+                    least: least.to_string(),
+                });
+            }
+            notes.push(format!(
+                "compressible by request: sound speed {sound_speed} m/s is below ten times the expected speed, {least} m/s"
+            ));
+        }
+        notes.push(format!("expected speed {expected_speed:.3} m/s: {speed_reason}"));
+
+        for (volume, &(first, count)) in scene.volumes.iter().zip(&volume_ids) {
+            if volume.hydrostatic {
+                let range = first as usize..(first + count) as usize;
+                stand(&mut positions[range], scene.gravity, sound_speed, spacing);
+            }
+        }
+        let max_particles = max_particles(scene, positions.len(), spacing)?;
+        let (bounds_min, bounds_max) = match settings.bounds {
+            Some(bounds) => check_bounds(bounds, &positions)?,
+            None => extent.grown(4.0),
+        };
+        let parameters = Parameters {
+            spacing,
+            support_radius,
+            smoothing_length: support_radius / 2.0,
+            particle_mass: rest_density * spacing * spacing * spacing,
+            rest_density,
+            kernel: settings.kernel,
+            density_calibration: kernel.lattice_sum(spacing) as f32,
+            gradient_calibration: kernel.lattice_gradient_sum(spacing) as f32,
+            boundary_gamma: layer.gamma,
+            boundary_depth: layer.depth,
+            pressure_law: PressureLaw { equation, clamp_negative: settings.clamp_negative_pressure },
+            sound_speed,
+            expected_speed,
+            artificial_viscosity: settings.artificial_viscosity,
+            courant_factor: settings.courant_factor,
+            force_factor: settings.force_factor,
+            viscous_factor: settings.viscous_factor,
+            max_substeps: settings.max_substeps,
+            gravity: scene.gravity,
+            bounds_min,
+            bounds_max,
+        };
+        let lifetimes = scene.emitters.iter().any(|emitter| emitter.lifetime.is_finite());
+        let mut fields = vec![Field::Id, Field::Position, Field::Velocity, Field::Density, Field::Pressure];
+        fields.extend([Field::Acceleration, Field::Speed, Field::RemainingLife]);
+        Ok(Self {
+            name: scene.name.clone(),
+            parameters,
+            stages: stages(settings, !boundary.positions.is_empty(), &bodies),
+            fields,
+            grid: Grid::fitting(support_radius, extent.max - extent.min, max_particles),
+            positions,
+            velocities,
+            volume_ids,
+            emitters: scene.emitters.clone(),
+            boundary,
+            bodies,
+            max_particles,
+            budget_milliseconds: settings.budget_milliseconds,
+            lifetimes,
+            notes,
+        })
+    }
+
+    /// Whether the plan has a stage.
+    pub fn has(&self, kind: StageKind) -> bool {
+        self.stages.iter().any(|stage| stage.kind == kind)
+    }
+
+    /// For each body, its index among the bodies of an earlier plan: the one of the same name, or of several with the same
+    /// name the one as far along. None for a body that is new.
+    pub fn bodies_of(&self, earlier: &Plan) -> Vec<Option<usize>> {
+        let mut namesakes: HashMap<&str, Vec<usize>> = HashMap::new();
+        for (index, body) in earlier.bodies.iter().enumerate() {
+            namesakes.entry(&body.name).or_default().push(index);
+        }
+        let mut ranks: HashMap<&str, usize> = HashMap::new();
+        self.bodies
+            .iter()
+            .map(|body| {
+                let rank = ranks.entry(&body.name).or_default();
+                *rank += 1;
+                namesakes.get(body.name.as_str())?.get(*rank - 1).copied()
+            })
+            .collect()
+    }
+
+    /// Samples of all bodies together.
+    pub fn body_samples(&self) -> usize {
+        self.bodies.iter().map(|body| body.samples.len()).sum()
+    }
+}

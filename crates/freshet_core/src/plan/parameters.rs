@@ -1,0 +1,87 @@
+//! The numbers of a plan.
+
+use glam::Vec3;
+
+use crate::equation_of_state::PressureLaw;
+use crate::error::InvalidInput;
+use crate::kernel::{Kernel, KernelKind};
+
+/// Every number the solvers use, derived once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Distance of neighbours at rest, d, m.
+    pub spacing: f32,
+    /// Support radius, H, m.
+    pub support_radius: f32,
+    /// Smoothing length h = H/2, m: in viscosity and step limits.
+    pub smoothing_length: f32,
+    /// Mass of a particle, `rest_density * spacing^3`, kg.
+    pub particle_mass: f32,
+    /// Density at rest, kg/m3.
+    pub rest_density: f32,
+    /// Kernel.
+    pub kernel: KernelKind,
+    /// S: the kernel sum on the rest lattice; densities are divided by it.
+    pub density_calibration: f32,
+    /// Factor on pair forces' divisor, so that a linear pressure on the rest lattice has its exact gradient.
+    pub gradient_calibration: f32,
+    /// Gamma of the boundary samples' volume weights, see [`WallLayer`](crate::sampling::wall_layer::WallLayer).
+    pub boundary_gamma: f32,
+    /// How far behind the visible surface boundary samples lie, m, see [`WallLayer`](crate::sampling::wall_layer::WallLayer).
+    pub boundary_depth: f32,
+    /// Pressure as a function of density.
+    pub pressure_law: PressureLaw,
+    /// Speed of sound at rest density, m/s.
+    pub sound_speed: f32,
+    /// Speed the flow is expected to reach, m/s.
+    pub expected_speed: f32,
+    /// Monaghan's alpha.
+    pub artificial_viscosity: f32,
+    /// Step factors: Courant, force, viscous.
+    pub courant_factor: f32,
+    /// See [`Settings::force_factor`](crate::scene::Settings::force_factor).
+    pub force_factor: f32,
+    /// See [`Settings::viscous_factor`](crate::scene::Settings::viscous_factor).
+    pub viscous_factor: f32,
+    /// See [`Settings::max_substeps`](crate::scene::Settings::max_substeps).
+    pub max_substeps: u32,
+    /// Gravity at the start, m/s2.
+    pub gravity: Vec3,
+    /// Lower corner of where particles may be, m.
+    pub bounds_min: Vec3,
+    /// Upper corner of where particles may be, m.
+    pub bounds_max: Vec3,
+}
+
+impl Parameters {
+    /// The substep allowed by the Courant, force and viscous conditions for the given maxima (METHODS, Conventions):
+    /// `0.4 h/(c+v)`, `0.25 sqrt(h/a)`, `0.125 h^2/nu` with `nu = alpha c h / 10` (Monaghan 2005, eq. 8.8).
+    pub fn substep_limit(&self, max_speed: f32, max_acceleration: f32) -> f32 {
+        let h = self.smoothing_length;
+        let courant = self.courant_factor * h / (self.sound_speed + max_speed);
+        let force = self.force_factor * (h / max_acceleration.max(1e-12)).sqrt();
+        courant.min(force).min(self.viscous_limit())
+    }
+
+    /// The substep allowed by viscosity alone, s.
+    pub fn viscous_limit(&self) -> f32 {
+        let nu = self.artificial_viscosity * self.sound_speed * self.smoothing_length / 10.0;
+        self.viscous_factor * self.smoothing_length * self.smoothing_length / nu.max(1e-12)
+    }
+
+    /// The substep that covers what remains of a tick in equal parts no longer than `limit`.
+    pub fn equal_substep(remaining: f32, limit: f32) -> f32 {
+        remaining / (remaining / limit - 1e-3).ceil().max(1.0)
+    }
+
+    /// How far a body may be from where the last tick left it and still drift there instead of jumping, m: twice what lies
+    /// within reach of a sample.
+    pub fn body_reach(&self) -> f32 {
+        4.0 * self.support_radius
+    }
+
+    /// The kernel on the support radius.
+    pub fn kernel(&self) -> Result<Kernel, InvalidInput> {
+        Kernel::new(self.kernel, self.support_radius)
+    }
+}

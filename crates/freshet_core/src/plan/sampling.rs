@@ -1,0 +1,174 @@
+//! Particles and samples of a scene.
+
+use std::fmt;
+
+use glam::Vec3;
+
+use super::SceneError;
+use super::checks::{check_crowding, check_precision};
+use crate::error::InvalidInput;
+use crate::overlap::check_overlap;
+use crate::sampling::lattice::{sample_box, sample_sphere};
+use crate::sampling::wall_layer::WallLayer;
+use crate::scene::{Body, Boundary, BoundaryShape, MAX_PARTICLES, Shape, Volume};
+
+/// Samples of all boundaries that do not move.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlannedBoundary {
+    /// Positions, m.
+    pub positions: Vec<Vec3>,
+    /// Volume weights, m3.
+    pub volumes: Vec<f32>,
+    /// Whether the fluid's artificial viscosity acts between it and the sample.
+    pub viscous: Vec<bool>,
+}
+
+/// A body with the weights of its samples.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlannedBody {
+    /// Name, for reports.
+    pub name: String,
+    /// Samples relative to the centre of mass, m.
+    pub samples: Vec<Vec3>,
+    /// Volume weights, m3.
+    pub volumes: Vec<f32>,
+}
+
+/// Particles of all volumes with their velocities, and for each volume its first id and its number of particles.
+pub(super) fn sample_volumes(
+    volumes: &[Volume],
+    spacing: f32,
+) -> Result<(Vec<Vec3>, Vec<Vec3>, Vec<(u32, u32)>), SceneError> {
+    let too_many = |count: f64| {
+        let allowed =
+            format!("up to {MAX_PARTICLES} particles in all; this one makes {count:.3e}: choose a larger spacing");
+        InvalidInput::new("resolution", format_args!("spacing {spacing} m"), allowed)
+    };
+    // Before anything is allocated; exact counts follow.
+    let expected = volumes.iter().map(|volume| f64::from(volume.size())).sum::<f64>() / f64::from(spacing).powi(3);
+    if expected > 2.0 * f64::from(MAX_PARTICLES) {
+        return Err(too_many(expected).into());
+    }
+    let (mut positions, mut velocities, mut ids) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, volume) in volumes.iter().enumerate() {
+        let sampled =
+            sample_volume(volume, spacing).map_err(|error| located(error, format_args!("volumes[{index}]")))?;
+        ids.push((positions.len() as u32, sampled.len() as u32));
+        velocities.extend(std::iter::repeat_n(volume.velocity, sampled.len()));
+        positions.extend(sampled);
+        if positions.len() > MAX_PARTICLES as usize {
+            return Err(too_many(positions.len() as f64).into());
+        }
+    }
+    check_precision(positions.iter().fold(Vec3::ZERO, |reach, point| reach.max(point.abs())), spacing)?;
+    check_overlap(volumes, &positions, &ids, spacing)?;
+    Ok((positions, velocities, ids))
+}
+
+/// Particles of one volume, in world coordinates.
+pub fn sample_volume(volume: &Volume, spacing: f32) -> Result<Vec<Vec3>, InvalidInput> {
+    let local = match volume.shape {
+        Shape::Box { half_extents } => sample_box(half_extents, spacing),
+        Shape::Sphere { radius } => sample_sphere(radius, spacing),
+    }
+    .map_err(|error| error.inside("shape"))?;
+    Ok(local.into_iter().map(|point| volume.rotation * point + volume.center).collect())
+}
+
+/// Samples of all boundaries, with their weights.
+pub(super) fn sample_boundaries(boundaries: &[Boundary], layer: &WallLayer) -> Result<PlannedBoundary, SceneError> {
+    let spacing = layer.spacing();
+    let too_many = |count: f64| {
+        let allowed =
+            format!("up to {MAX_PARTICLES} wall samples in all; this one makes {count:.3e}: choose a larger spacing");
+        InvalidInput::new("resolution", format_args!("spacing {spacing} m"), allowed)
+    };
+    let expected = boundaries.iter().map(boundary_area).sum::<f64>() / f64::from(spacing).powi(2);
+    if expected > 2.0 * f64::from(MAX_PARTICLES) {
+        return Err(too_many(expected).into());
+    }
+    let mut planned = PlannedBoundary::default();
+    for (index, boundary) in boundaries.iter().enumerate() {
+        let samples =
+            sample_boundary(boundary, layer).map_err(|error| located(error, format_args!("boundaries[{index}]")))?;
+        planned.viscous.extend(samples.iter().map(|&sample| is_viscous(boundary, layer, sample)));
+        if planned.positions.len() + samples.len() > MAX_PARTICLES as usize {
+            return Err(too_many((planned.positions.len() + samples.len()) as f64).into());
+        }
+        planned.volumes.extend(layer.volumes(&samples));
+        planned.positions.extend(samples);
+    }
+    Ok(planned)
+}
+
+fn boundary_area(boundary: &Boundary) -> f64 {
+    let (half_extents, open) = match boundary.shape {
+        BoundaryShape::Container { half_extents, open } => (half_extents.as_dvec3(), open),
+        BoundaryShape::Box { half_extents } => (half_extents.as_dvec3(), [false; 6]),
+        BoundaryShape::Plane { half_extents: [x, z] } => return 4.0 * f64::from(x) * f64::from(z),
+    };
+    let face = |axis: usize| 4.0 * half_extents[(axis + 1) % 3] * half_extents[(axis + 2) % 3];
+    (0..6).filter(|&index| !open[index]).map(|index| face(index / 2)).sum()
+}
+
+/// Moves particles down until each is as dense as the water above it makes it: `rho/rho0 - 1 = g z / c^2` at depth z.
+///
+/// The lowest stay where they are; at height s of a volume D high the way is `g / c^2 (D s - s^2 / 2)`.
+pub(super) fn stand(positions: &mut [Vec3], gravity: Vec3, sound_speed: f32, spacing: f32) {
+    let (g, up) = (gravity.length(), -gravity.normalize_or_zero());
+    let low = positions.iter().map(|position| position.dot(up)).fold(f32::INFINITY, f32::min) - 0.5 * spacing;
+    let high = positions.iter().map(|position| position.dot(up)).fold(f32::NEG_INFINITY, f32::max) + 0.5 * spacing;
+    for position in positions {
+        let height = position.dot(up) - low;
+        let way = g / (sound_speed * sound_speed) * height * (high - low - 0.5 * height);
+        *position -= way.min(0.25 * height) * up;
+    }
+}
+
+/// Samples of one boundary at the depth of `layer`, in world coordinates.
+pub fn sample_boundary(boundary: &Boundary, layer: &WallLayer) -> Result<Vec<Vec3>, InvalidInput> {
+    let local = match boundary.shape {
+        BoundaryShape::Container { half_extents, open } => layer.container(half_extents, open),
+        BoundaryShape::Box { half_extents } => layer.box_surface(half_extents),
+        BoundaryShape::Plane { half_extents } => {
+            layer.plane(Vec3::Y, half_extents[0], half_extents[1]).map_err(|error| match error.field.as_str() {
+                "half_extent_u" => InvalidInput { field: "half_extents[0]".to_owned(), ..error },
+                "half_extent_v" => InvalidInput { field: "half_extents[1]".to_owned(), ..error },
+                _ => error,
+            })
+        }
+    }
+    .map_err(|error| error.inside("shape"))?;
+    Ok(local.into_iter().map(|point| boundary.rotation * point + boundary.center).collect())
+}
+
+/// Whether a sample lies behind a viscous face.
+fn is_viscous(boundary: &Boundary, layer: &WallLayer, sample: Vec3) -> bool {
+    let local = boundary.rotation.conjugate() * (sample - boundary.center);
+    // From the centre to where samples of a face lie, less half a spacing for rounding.
+    let reach = match boundary.shape {
+        BoundaryShape::Container { half_extents, .. } => half_extents + layer.depth,
+        BoundaryShape::Box { half_extents } => half_extents - layer.depth,
+        BoundaryShape::Plane { .. } => return boundary.viscous_faces[3],
+    } - 0.5 * layer.spacing();
+    (0..3).any(|axis| {
+        let [below, above] = [boundary.viscous_faces[2 * axis], boundary.viscous_faces[2 * axis + 1]];
+        (below && local[axis] < -reach[axis]) || (above && local[axis] > reach[axis])
+    })
+}
+
+/// An error of a sampler, seen from the scene: what it calls the spacing is the scene's resolution.
+fn located(error: InvalidInput, parent: fmt::Arguments<'_>) -> InvalidInput {
+    if error.field == "shape.spacing" {
+        let allowed = format!("{}, in {parent}", error.allowed);
+        return InvalidInput::new("resolution", format_args!("spacing {} m", error.value), allowed);
+    }
+    error.inside(parent)
+}
+
+/// A body with the weights of its samples.
+pub(super) fn plan_body(body: &Body, layer: &WallLayer, support_radius: f32) -> Result<PlannedBody, InvalidInput> {
+    check_crowding(&body.samples, support_radius)?;
+    let volumes = layer.volumes(&body.samples);
+    Ok(PlannedBody { name: body.name.clone(), samples: body.samples.clone(), volumes })
+}

@@ -1,0 +1,88 @@
+//! The stages of a substep, and why a scene needs them.
+
+use serde::{Deserialize, Serialize};
+
+use super::sampling::PlannedBody;
+use crate::scene::Settings;
+
+/// What a substep consists of; a solver may make several passes of a stage or fuse stages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum StageKind {
+    /// Sorts particles by cell, and by id within a cell; those retired or removed fall out.
+    Sort,
+    /// Moves the bodies' samples to where the bodies are and sorts them by cell.
+    BodySort,
+    /// Density sum and pressure.
+    Density,
+    /// Acceleration by pressure, viscosity and gravity.
+    Acceleration,
+    /// Force and torque of the fluid on each body.
+    BodyLoad,
+    /// Chooses the substep.
+    StepControl,
+    /// Moves the bodies by the fluid's force over the substep.
+    BodyMotion,
+    /// Moves the particles.
+    Integrate,
+}
+
+impl StageKind {
+    /// Name, as in file names of both solvers.
+    pub fn name(self) -> &'static str {
+        match self {
+            StageKind::Sort => "sort",
+            StageKind::BodySort => "body_sort",
+            StageKind::Density => "density",
+            StageKind::Acceleration => "acceleration",
+            StageKind::BodyLoad => "body_load",
+            StageKind::StepControl => "step_control",
+            StageKind::BodyMotion => "body_motion",
+            StageKind::Integrate => "integrate",
+        }
+    }
+}
+
+/// A stage, and why the scene needs it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stage {
+    /// Which.
+    pub kind: StageKind,
+    /// Why it is there.
+    pub reason: String,
+}
+
+/// Only what the scene needs, in order.
+pub(super) fn stages(settings: &Settings, walls: bool, bodies: &[PlannedBody]) -> Vec<Stage> {
+    let mut stages = Vec::new();
+    let mut add = |kind, reason: &str| stages.push(Stage { kind, reason: reason.to_owned() });
+    add(StageKind::Sort, "particles have neighbours, which are searched in cells of the support radius");
+    if !bodies.is_empty() {
+        add(StageKind::BodySort, "the scene has bodies, which move");
+    }
+    add(
+        StageKind::Density,
+        match (walls, bodies.is_empty()) {
+            (false, true) => "pressure follows from density (weakly compressible); fluid only",
+            (true, true) => "pressure follows from density (weakly compressible); fluid and walls",
+            (false, false) => "pressure follows from density (weakly compressible); fluid and bodies",
+            (true, false) => "pressure follows from density (weakly compressible); fluid, walls and bodies",
+        },
+    );
+    add(
+        StageKind::Acceleration,
+        if settings.artificial_viscosity > 0.0 {
+            "pressure, artificial viscosity and gravity"
+        } else {
+            "pressure and gravity; settings.artificial_viscosity is 0"
+        },
+    );
+    if !bodies.is_empty() {
+        add(StageKind::BodyLoad, "the scene has bodies, which the fluid pushes");
+    }
+    add(StageKind::StepControl, "substeps adapt to the fastest particle and the largest acceleration");
+    if !bodies.is_empty() {
+        add(StageKind::BodyMotion, "bodies answer within the tick");
+    }
+    add(StageKind::Integrate, "semi-implicit Euler: one force evaluation a substep, energy error bounded");
+    stages
+}
