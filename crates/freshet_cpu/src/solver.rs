@@ -8,7 +8,7 @@ use freshet_core::kernel::Kernel;
 use freshet_core::plan::{Parameters, Plan, StageKind};
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
-use freshet_core::step::{Command, NewParticles, PassTime, StepInput, StepReport};
+use freshet_core::step::{PassTime, StepInput, StepReport};
 use glam::Vec3;
 
 use crate::lanes::PADDING;
@@ -16,6 +16,7 @@ use crate::particles::Particles;
 use crate::passes::acceleration::Maxima;
 use crate::passes::body_motion::{MovingBody, remember};
 use crate::passes::body_sort::BodySamples;
+use crate::passes::commands::Population;
 use crate::passes::density::Compression;
 use crate::passes::sort::{Dropped, Sorter};
 use crate::passes::{acceleration, body_load, density, integrate, step_control};
@@ -187,49 +188,21 @@ impl CpuSolver {
         self.schedule.capacity = self.particles.len as u32;
     }
 
-    fn command(&mut self, command: &Command, report: &mut StepReport) {
-        match command {
-            Command::Spawn(new) => report.refused += self.spawn(new),
-            Command::RemoveIds { first, count } => {
-                let range = *first..first.saturating_add(*count);
-                self.retire(|particles, i| range.contains(&particles.id[i]));
-            }
-            Command::RemoveInBox { min, max } => self.retire(|particles, i| {
-                let position = particles.position_of(i);
-                position.cmpge(*min).all() && position.cmple(*max).all()
-            }),
-            Command::SetGravity(gravity) => self.gravity = *gravity,
-        }
-    }
-
-    fn spawn(&mut self, new: &NewParticles) -> u32 {
-        let room = (self.plan.max_particles as usize).saturating_sub(self.particles.len);
-        let count = new.positions.len().min(room);
-        // How long ago they were where they are said to be; negative if they will be.
-        let age = new.at.map_or(0.0, |at| (self.time - at) as f32);
-        for (&position, &velocity) in new.positions.iter().zip(&new.velocities).take(count) {
-            self.particles.push(self.next_id, position + velocity * age, velocity, new.lifetime - age);
-            self.next_id = self.next_id.wrapping_add(1);
-        }
-        self.emitted = self.emitted.into_iter().chain(new.at).reduce(f64::max);
-        self.mortal |= new.lifetime.is_finite();
-        (new.positions.len() - count) as u32
-    }
-
-    fn retire(&mut self, chosen: impl Fn(&Particles, usize) -> bool) {
-        for i in 0..self.particles.len {
-            if chosen(&self.particles, i) {
-                self.particles.life[i] = -1.0;
-            }
-        }
-    }
-
     /// A tick whose input has been checked.
     fn tick(&mut self, input: &StepInput) -> StepReport {
         let begin = Instant::now();
         let mut report = StepReport { tick: input.tick, ..StepReport::default() };
+        let mut population = Population {
+            particles: &mut self.particles,
+            max_particles: self.plan.max_particles,
+            next_id: &mut self.next_id,
+            gravity: &mut self.gravity,
+            emitted: &mut self.emitted,
+            mortal: &mut self.mortal,
+            time: self.time,
+        };
         for command in &input.commands {
-            self.command(command, &mut report);
+            report.refused += population.carry_out(command);
         }
         self.bodies = input
             .bodies

@@ -1,9 +1,11 @@
-//! The stages of a substep, one file each, named as in the plan and as their WGSL twins.
+//! The stages of a substep, and the commands before a tick's first, one file each, named as in the plan and as their WGSL
+//! twins.
 
 pub mod acceleration;
 pub mod body_load;
 pub mod body_motion;
 pub mod body_sort;
+pub mod commands;
 pub mod density;
 pub mod integrate;
 pub mod sort;
