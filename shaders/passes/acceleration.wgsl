@@ -94,16 +94,18 @@ fn acceleration_of(a: u32) -> vec3<f32> {
         } else {
             found = fields::hits_of(a, hits::word_of(row));
         }
-        if (found == 0u) {
+        if (hits::is_empty(found)) {
             continue;
         }
-        let cells = grid::cells_around(extent, center, row);
-        let around = grid::row_of(0u, cells);
-        for (var places = found & hits::PLACE_MASK; places != 0u; places &= places - 1u) {
-            fluid += from_particle(own, grid::member(around, firstTrailingBit(places)));
+        // Up to the row's end, not only as far as it is reached: what is further away exerts no force.
+        let cells = grid::cells_of(extent, center, row, found & hits::BEGIN, grid::ROW_CELLS);
+        let around = grid::open_row_of(0u, cells);
+        for (var places = hits::places_of(found); places != 0u; places &= places - 1u) {
+            fluid += from_particle(own, grid::member(around, hits::first_of(places)));
         }
         if ((found & hits::MORE) != 0u) {
-            for (var t = hits::PLACES; t < around.count; t++) {
+            let all = grid::row_of(0u, cells);
+            for (var t = hits::PLACES; t < all.count; t++) {
                 fluid += from_particle(own, grid::member(around, t));
             }
         }

@@ -21,12 +21,13 @@ fn body_load(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
         fields::set_sample_load(k, vec3<f32>(0.0), vec3<f32>(0.0));
         return;
     }
-    let center = grid::cell_of(position);
+    let place = grid::place_of(position);
     let extent = grid::shape();
     let inverse_radius = fields::parameters.inverse_support_radius;
     var sum = vec3<f32>(0.0);
     for (var row = 0u; row < 9u; row++) {
-        let around = grid::row_of(0u, grid::cells_around(extent, center, row));
+        let reached = grid::reached(place, row);
+        let around = grid::row_of(0u, grid::cells_of(extent, place.cell, row, reached.x, reached.y));
         for (var t = 0u; t < around.count; t++) {
             let a = grid::member(around, t);
             let x = fields::sorted_position(a) - position;

@@ -16,13 +16,14 @@ var<workgroup> group_compression: atomic<u32>;
 
 fn density_of(a: u32) -> f32 {
     let position = fields::sorted_position(a);
-    let center = grid::cell_of(position);
+    let place = grid::place_of(position);
     // Uniforms that the loops need: see grid::Shape.
     let extent = grid::shape();
     let inverse_radius = fields::parameters.inverse_support_radius;
     let squared_radius = fields::parameters.squared_support_radius;
 #ifdef WALLS
     let wall_starts = fields::parameters.wall_starts;
+    let near_walls = grid::is_near_walls(place.cell);
 #endif
 #ifdef BODIES
     let body_starts = fields::parameters.body_starts;
@@ -32,23 +33,29 @@ fn density_of(a: u32) -> f32 {
     var samples = 0.0;
 #endif
     for (var row = 0u; row < 9u; row++) {
-        let cells = grid::cells_around(extent, center, row);
+        let reached = grid::reached(place, row);
+        let cells = grid::cells_of(extent, place.cell, row, reached.x, reached.y);
         let around = grid::row_of(0u, cells);
-        var found = select(0u, hits::MORE, around.count > hits::PLACES);
+        var found = reached.x | select(0u, hits::MORE, around.count > hits::PLACES);
+        // Shifted out after the last place that has a bit.
+        var bit = hits::FIRST_PLACE;
         for (var t = 0u; t < around.count; t++) {
             let x = position - fields::sorted_position(grid::member(around, t));
             let r_squared = dot(x, x);
             fluid += kernels::shape(sqrt(r_squared) * inverse_radius);
             // Not the particle itself, nor one at the same place: they exert no force.
-            found |= hits::bit(t, r_squared < squared_radius && r_squared > 0.0);
+            found |= select(0u, bit, r_squared < squared_radius && r_squared > 0.0);
+            bit <<= 1u;
         }
 #ifdef WALLS
-        let walls = grid::row_of(wall_starts, cells);
-        found |= select(0u, hits::SAMPLES, walls.count > 0u);
-        for (var t = 0u; t < walls.count; t++) {
-            let wall = grid::member(walls, t);
-            let distance = length(position - fields::sample_at(wall));
-            samples += fields::sample_weight(wall) * kernels::shape(distance * inverse_radius);
+        if (near_walls) {
+            let walls = grid::row_of(wall_starts, cells);
+            found |= select(0u, hits::SAMPLES, walls.count > 0u);
+            for (var t = 0u; t < walls.count; t++) {
+                let wall = grid::member(walls, t);
+                let distance = length(position - fields::sample_at(wall));
+                samples += fields::sample_weight(wall) * kernels::shape(distance * inverse_radius);
+            }
         }
 #endif
 #ifdef BODIES

@@ -2,6 +2,7 @@
 
 use freshet_core::plan::Plan;
 
+use crate::fine_grid::FineGrid;
 use crate::shader::SCAN_BLOCK;
 
 /// Where the sections of the two tables begin, in cells. Each section has an entry more than there are cells: the counts
@@ -25,7 +26,7 @@ pub(crate) struct CellTables {
 impl CellTables {
     /// The tables of a plan: sections for what it has.
     pub fn of(plan: &Plan) -> Self {
-        let section = plan.grid.cells() + 1;
+        let section = FineGrid::of(&plan.grid).cells() + 1;
         let walls = if plan.boundary.positions.is_empty() { 0 } else { section };
         let bodies = if plan.bodies.is_empty() { 0 } else { section };
         let block_sums = section + walls + bodies;
@@ -45,20 +46,30 @@ pub(crate) fn drags(plan: &Plan) -> bool {
     plan.parameters.artificial_viscosity > 0.0 && plan.boundary.viscous.contains(&true)
 }
 
-/// Samples of walls sorted by cell, in the plan's order within a cell, and the first sample of each cell.
+/// Set in a cell's start where the rows around it hold samples, as in `freshet::grid`.
+const NEAR_WALLS: u32 = 1 << 31;
+
+/// Samples of walls sorted by cell, in the plan's order within a cell, and the first sample of each cell with its bit
+/// [`NEAR_WALLS`].
 ///
 /// A sample is its position and its volume; the volume's sign is negative where a viscous face drags the fluid along.
 pub(crate) fn sort_walls(plan: &Plan) -> (Vec<[f32; 4]>, Vec<u32>) {
-    let cells: Vec<u32> =
-        plan.boundary.positions.iter().map(|&position| plan.grid.index(plan.grid.coordinates(position))).collect();
+    let grid = FineGrid::of(&plan.grid);
+    let cells: Vec<u32> = plan.boundary.positions.iter().map(|&position| grid.index(position)).collect();
     let mut order: Vec<usize> = (0..cells.len()).collect();
     order.sort_by_key(|&k| cells[k]);
-    let mut starts = vec![0; plan.grid.cells() as usize + 1];
+    let mut starts = vec![0; grid.cells() as usize + 1];
     for &cell in &cells {
         starts[cell as usize + 1] += 1;
     }
     for cell in 1..starts.len() {
         starts[cell] += starts[cell - 1];
+    }
+    for index in 0..order.len() {
+        let cell = cells[order[index]];
+        if index == 0 || cell != cells[order[index - 1]] {
+            grid.around(cell).for_each(|near| starts[near as usize] |= NEAR_WALLS);
+        }
     }
     let sample = |k: usize| {
         let [x, y, z] = plan.boundary.positions[k].to_array();

@@ -16,6 +16,7 @@ mod compiled;
 mod device;
 mod encode;
 mod errors;
+mod fine_grid;
 pub mod layout;
 mod lockstep;
 mod memory;

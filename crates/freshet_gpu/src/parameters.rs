@@ -6,6 +6,7 @@ use freshet_core::step::StepInput;
 use glam::UVec3;
 
 use crate::cells::CellTables;
+use crate::fine_grid::FineGrid;
 use crate::layout::Parameters;
 
 /// The uniform of a plan.
@@ -29,15 +30,16 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         EquationOfState::Linear { sound_speed } => (f64::from(sound_speed).powi(2), 0.0, 1.0),
     };
     let tables = CellTables::of(plan);
+    let grid = FineGrid::of(&plan.grid);
     Parameters {
-        cell_mask: plan.grid.dimensions() - UVec3::ONE,
-        cells: plan.grid.cells(),
+        cell_mask: grid.dimensions() - UVec3::ONE,
+        cells: grid.cells(),
         bounds_min: p.bounds_min,
-        inverse_cell_size: 1.0 / plan.grid.cell_size,
+        inverse_cell_size: grid.inverse_cell_size,
         bounds_max: p.bounds_max,
         inverse_support_radius: (1.0 / radius) as f32,
-        log_cells_x: plan.grid.log_cells.x,
-        log_cells_xy: plan.grid.log_cells.x + plan.grid.log_cells.y,
+        log_cells_x: grid.log_cells.x,
+        log_cells_xy: grid.log_cells.x + grid.log_cells.y,
         squared_support_radius: (radius * radius) as f32,
         fluid_density_scale: (mass * density) as f32,
         sample_density_scale: (rest * density) as f32,

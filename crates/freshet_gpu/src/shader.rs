@@ -11,6 +11,7 @@ use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescript
 use wgpu::naga;
 
 use crate::cells::drags;
+use crate::fine_grid::CELLS_PER_RADIUS;
 use crate::layout::bindings_module;
 use crate::options::GpuOptions;
 use crate::passes::{Arguments, Pass};
@@ -31,6 +32,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("WORKGROUP_SIZE", options.workgroup_size);
     number("MAX_WORKGROUPS", MAX_WORKGROUPS);
     number("SCAN_BLOCK", SCAN_BLOCK);
+    number("CELLS_PER_RADIUS", CELLS_PER_RADIUS);
     number("ARGUMENTS_PARTICLES", Arguments::Particles as u32);
     number("ARGUMENTS_CELLS", Arguments::Cells as u32);
     number("ARGUMENTS_SAMPLES", Arguments::Samples as u32);

@@ -13,18 +13,18 @@ wgsl_struct! {
         cells: u32,
         /// Lower corner of where particles may be, m.
         bounds_min: Vec3,
-        /// 1 / H as the grid uses it, 1/m.
-        inverse_cell_size: f32,
-        /// Upper corner of where particles may be, m.
-        bounds_max: Vec3,
         /// 1 / H as the kernel uses it, 1/m.
         inverse_support_radius: f32,
+        /// Upper corner of where particles may be, m.
+        bounds_max: Vec3,
+        /// H^2, m2.
+        squared_support_radius: f32,
+        /// One over the edge lengths of a cell, 1/m.
+        inverse_cell_size: Vec3,
         /// Binary logarithm of the number of cells along x.
         log_cells_x: u32,
         /// The same along x and y together.
         log_cells_xy: u32,
-        /// H^2, m2.
-        squared_support_radius: f32,
         /// m A / (S H^3): density from the fluid's kernel shapes.
         fluid_density_scale: f32,
         /// rho0 A / (S H^3): density from samples' kernel shapes times volumes.
@@ -82,7 +82,9 @@ wgsl_struct! {
         /// From further away it jumps, m.
         body_reach: f32,
         /// Unused.
-        pad_c: u32,
+        pad_a: u32,
+        /// Unused.
+        pad_b: [u32; 2],
     }
 
     /// What the GPU decides from substep to substep, and what it reports.

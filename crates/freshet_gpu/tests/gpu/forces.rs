@@ -132,6 +132,8 @@ fn a_wrong_constant_would_be_noticed() {
         (("-20.0 * p * p * p", "-20.4 * p * p * p"), 2),
         (("(4.0 * q + 1.0)", "(4.01 * q + 1.0)"), 0),
         (("ratio - 1.0)", "ratio - 1.001)"), 1),
+        (("SQUARED_REACH: f32 = 1.001", "SQUARED_REACH: f32 = 0.8"), 0),
+        (("floor(scaled);", "floor(scaled) + 0.02;"), 0),
     ] {
         let mut solver = solver_with(&dam_break(0.05), GpuOptions { patch: Some(patch), ..Default::default() });
         let found = errors(&mut solver)[index];

@@ -24,7 +24,8 @@ fn check_bytes(solver: &GpuSolver) {
     let (schedule, plan) = (solver.schedule(), solver.plan());
     assert_eq!(schedule.bytes(), solver.allocated_bytes(), "{schedule}");
     let (walls, samples) = (plan.boundary.positions.len() as u64, plan.body_samples() as u64);
-    let section = u64::from(plan.grid.cells()) + 1;
+    // The shaders cut each cell of the plan in two along x.
+    let section = 2 * u64::from(plan.grid.cells()) + 1;
     let (with_walls, with_bodies) = (u64::from(walls > 0), u64::from(samples > 0));
     // State 32, sorted position and velocity and acceleration 16 each, density and pressure term 8, slot 4.
     let per_particle = u64::from(schedule.capacity) * (32 + 3 * 16 + 8 + 4);
