@@ -24,6 +24,11 @@ fn equation(density: f32) -> f32 {
 #endif
 }
 
+// p / rho^2: what the pressure force takes of a particle.
+fn pressure_term(density: f32) -> f32 {
+    return pressure(density) / (density * density);
+}
+
 fn pressure(density: f32) -> f32 {
 #ifdef CLAMP_NEGATIVE_PRESSURE
     let unclamped = equation(density);

@@ -4,6 +4,7 @@
 // The b come from the bits that the density pass left, see library/hits.wgsl.
 
 #import freshet::bindings as fields
+#import freshet::equation_of_state
 #import freshet::grid
 #import freshet::hits
 #import freshet::kernels
@@ -28,13 +29,15 @@ fn own_of(a: u32) -> Own {
     var own: Own;
     own.position = fields::sorted_position(a);
     own.inverse_radius = fields::parameters.inverse_support_radius;
-    let density = fields::density_and_pressure_term(a);
-    own.pressure_term = density.y;
 #ifdef VISCOSITY
-    own.velocity = fields::sorted_velocity(a);
-    own.density = density.x;
+    let motion = fields::velocity_and_density(a);
+    own.pressure_term = equation_of_state::pressure_term(motion.w);
+    own.velocity = motion.xyz;
+    own.density = motion.w;
     own.viscosity_scale = fields::parameters.viscosity_scale;
     own.viscosity_softening = fields::parameters.viscosity_softening;
+#else
+    own.pressure_term = fields::pressure_term(a);
 #endif
     return own;
 }
@@ -43,11 +46,13 @@ fn own_of(a: u32) -> Own {
 fn from_particle(own: Own, b: u32) -> vec3<f32> {
     let x = own.position - fields::sorted_position(b);
     let r_squared = dot(x, x);
-    let density = fields::density_and_pressure_term(b);
-    var factor = own.pressure_term + density.y;
 #ifdef VISCOSITY
-    let approach = dot(own.velocity - fields::sorted_velocity(b), x);
-    factor -= own.viscosity_scale * approach / ((r_squared + own.viscosity_softening) * (own.density + density.x));
+    let motion = fields::velocity_and_density(b);
+    let approach = dot(own.velocity - motion.xyz, x);
+    let drag = own.viscosity_scale * approach / ((r_squared + own.viscosity_softening) * (own.density + motion.w));
+    let factor = own.pressure_term + equation_of_state::pressure_term(motion.w) - drag;
+#else
+    let factor = own.pressure_term + fields::pressure_term(b);
 #endif
     return (factor * kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius)) * x;
 }

@@ -85,8 +85,10 @@ fn density(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
     let a = threads::thread_index(group, local);
     if (a < fields::control.live) {
         let density = density_of(a);
-        let pressure = equation_of_state::pressure(density);
-        fields::set_density(a, density, pressure / (density * density));
+        fields::set_density(a, density, equation_of_state::pressure_term(density));
+#ifdef VISCOSITY
+        fields::set_density_beside_velocity(a, density);
+#endif
         let ratio = density * fields::parameters.inverse_rest_density;
         atomicMax(&group_ratio, threads::ordered_bits(ratio));
         let compression = clamp(ratio - 1.0, 0.0, 1.0);

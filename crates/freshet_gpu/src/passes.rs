@@ -80,6 +80,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
 
     let bodies = !plan.bodies.is_empty();
     let samples = bodies || !plan.boundary.positions.is_empty();
+    let viscous = plan.parameters.artificial_viscosity > 0.0;
     let pass = |name, file, dispatch, uses: &[(Binding, Access)]| {
         let mut uses = uses.to_vec();
         uses.push((B::Parameters, Read));
@@ -119,6 +120,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                     (B::Slots, Read),
                     (B::SortedPositions, Write),
                     (B::SortedVelocities, Write),
+                    (B::SortedLives, Write),
                     (B::Control, Write),
                 ],
             ),
@@ -151,14 +153,14 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
         }
         StageKind::Density => {
             let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
+            let uses = with(viscous, uses, &[(B::SortedVelocities, Write)]);
             let uses = with(true, uses, &[(B::Densities, Write), (B::Hits, Write), (B::Accelerations, Write)]);
             vec![pass("density", passes::DENSITY, Arguments::Particles, &uses)]
         }
         StageKind::Acceleration => {
             let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
-            let viscous = plan.parameters.artificial_viscosity > 0.0;
-            let uses = with(viscous, uses, &[(B::SortedVelocities, Read)]);
-            let uses = with(true, uses, &[(B::Densities, Read), (B::Accelerations, Write), (B::Hits, Read)]);
+            let uses = with(true, uses, &[(if viscous { B::SortedVelocities } else { B::Densities }, Read)]);
+            let uses = with(true, uses, &[(B::Accelerations, Write), (B::Hits, Read)]);
             vec![pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses)]
         }
         StageKind::BodyLoad => vec![
@@ -196,6 +198,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             &[
                 (B::SortedPositions, Read),
                 (B::SortedVelocities, Read),
+                (B::SortedLives, Read),
                 (B::Accelerations, Read),
                 (B::Control, Read),
                 (B::Particles, Write),

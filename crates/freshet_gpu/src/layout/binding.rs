@@ -32,8 +32,11 @@ pub enum Binding {
     Hits,
     /// [`PositionRecord`](records::PositionRecord): positions in the order of the last sort.
     SortedPositions,
-    /// [`VelocityRecord`](records::VelocityRecord): velocities in the order of the last sort.
+    /// Velocities in the order of the last sort, each with the density that the density pass finds: what viscosity needs
+    /// of a neighbour in one load. The pressure it needs follows from that density.
     SortedVelocities,
+    /// Remaining lives in the order of the last sort.
+    SortedLives,
     /// Density and `p / rho^2`.
     Densities,
     /// [`AccelerationRecord`](records::AccelerationRecord).
@@ -62,7 +65,7 @@ pub enum Binding {
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 21] = [
+    pub const ALL: [Binding; 22] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -72,6 +75,7 @@ impl Binding {
         Binding::Hits,
         Binding::SortedPositions,
         Binding::SortedVelocities,
+        Binding::SortedLives,
         Binding::Densities,
         Binding::Accelerations,
         Binding::Slots,
@@ -108,6 +112,7 @@ impl Binding {
             Binding::Hits => "hits",
             Binding::SortedPositions => "sorted_positions",
             Binding::SortedVelocities => "sorted_velocities",
+            Binding::SortedLives => "sorted_lives",
             Binding::Densities => "densities",
             Binding::Accelerations => "accelerations",
             Binding::Slots => "slots",
@@ -129,7 +134,7 @@ impl Binding {
             Binding::Particles | Binding::Hits => Some(32),
             Binding::SortedPositions | Binding::SortedVelocities | Binding::Accelerations => Some(16),
             Binding::Densities => Some(8),
-            Binding::Slots => Some(4),
+            Binding::SortedLives | Binding::Slots => Some(4),
             _ => None,
         }
     }
@@ -149,7 +154,8 @@ impl Binding {
             Binding::Particles => "array<ParticleRecord>",
             Binding::Hits => "array<array<u32, 8>>",
             Binding::SortedPositions => "array<PositionRecord>",
-            Binding::SortedVelocities => "array<VelocityRecord>",
+            Binding::SortedVelocities => "array<vec4<f32>>",
+            Binding::SortedLives => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
             Binding::Samples => "array<vec4<f32>>",
@@ -184,14 +190,14 @@ fn sorted_id(i: u32) -> u32 { return sorted_positions[i].id; }
 "
             }
             Binding::SortedVelocities => {
-                "fn sorted_velocity(i: u32) -> vec3<f32> { return sorted_velocities[i].velocity; }
-fn sorted_remaining_life(i: u32) -> f32 { return sorted_velocities[i].remaining_life; }
+                "fn sorted_velocity(i: u32) -> vec3<f32> { return sorted_velocities[i].xyz; }
+fn velocity_and_density(i: u32) -> vec4<f32> { return sorted_velocities[i]; }
 "
             }
+            Binding::SortedLives => "fn sorted_remaining_life(i: u32) -> f32 { return sorted_lives[i]; }\n",
             Binding::Densities => {
                 "fn density(i: u32) -> f32 { return densities[i].x; }
 fn pressure_term(i: u32) -> f32 { return densities[i].y; }
-fn density_and_pressure_term(i: u32) -> vec2<f32> { return densities[i]; }
 "
             }
             Binding::Accelerations => {
@@ -282,8 +288,11 @@ fn set_remaining_life(i: u32, life: f32) { particles[i].remaining_life = life; }
 "
             }
             Binding::SortedVelocities => {
-                "fn set_sorted_velocity(i: u32, v: vec3<f32>, life: f32) { sorted_velocities[i] = VelocityRecord(v, life); }\n"
+                "fn set_sorted_velocity(i: u32, v: vec3<f32>) { sorted_velocities[i] = vec4<f32>(v, 0.0); }
+fn set_density_beside_velocity(i: u32, value: f32) { sorted_velocities[i].w = value; }
+"
             }
+            Binding::SortedLives => "fn set_sorted_remaining_life(i: u32, life: f32) { sorted_lives[i] = life; }\n",
             Binding::Densities => {
                 "fn set_density(i: u32, value: f32, term: f32) { densities[i] = vec2<f32>(value, term); }\n"
             }

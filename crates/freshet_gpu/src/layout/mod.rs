@@ -7,7 +7,7 @@ mod wgsl;
 pub use binding::{Access, Binding};
 pub use records::{
     AccelerationRecord, BodyInputRecord, BodyRecord, BodySampleRecord, CommandRecord, ExchangeRecord, Parameters,
-    ParticleRecord, PositionRecord, SampleLoadRecord, SpawnRecord, StepControl, TickRecord, VelocityRecord,
+    ParticleRecord, PositionRecord, SampleLoadRecord, SpawnRecord, StepControl, TickRecord,
 };
 pub use wgsl::{Atomic, WgslStruct, WgslType};
 

@@ -193,14 +193,6 @@ wgsl_struct! {
         id: u32,
     }
 
-    /// How a particle moves, and how long it will, in the order of the last sort.
-    pub struct VelocityRecord {
-        /// m/s.
-        velocity: Vec3,
-        /// s.
-        remaining_life: f32,
-    }
-
     /// What moves a particle.
     pub struct AccelerationRecord {
         /// m/s2.

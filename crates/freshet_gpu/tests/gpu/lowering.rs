@@ -27,8 +27,8 @@ fn check_bytes(solver: &GpuSolver) {
     // The shaders cut each cell of the plan in two along x.
     let section = 2 * u64::from(plan.grid.cells()) + 1;
     let (with_walls, with_bodies) = (u64::from(walls > 0), u64::from(samples > 0));
-    // State 32, sorted position and velocity and acceleration 16 each, density and pressure term 8, slot 4.
-    let per_particle = u64::from(schedule.capacity) * (32 + 3 * 16 + 8 + 4);
+    // State 32, sorted position and velocity and acceleration 16 each, density and pressure term 8, life and slot 4 each.
+    let per_particle = u64::from(schedule.capacity) * (32 + 3 * 16 + 8 + 2 * 4);
     // Counts of particles and bodies; starts of particles, walls and bodies, and the totals of blocks of 1024 cells.
     let cells = 4 * (section * (2 + with_walls + 2 * with_bodies) + section.div_ceil(1024));
     let growing: u64 = schedule.buffers.iter().filter(|buffer| buffer.per_particle).map(|buffer| buffer.bytes).sum();

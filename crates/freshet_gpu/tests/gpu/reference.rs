@@ -21,7 +21,7 @@ pub type Samples = Vec<(Vec3, f32, bool)>;
 
 /// The walls of a plan.
 pub fn walls(plan: &Plan) -> Samples {
-    let PlannedBoundary { positions, volumes, viscous } = &plan.boundary;
+    let PlannedBoundary { positions, volumes, viscous, .. } = &plan.boundary;
     positions.iter().zip(volumes).zip(viscous).map(|((&at, &volume), &viscous)| (at, volume, viscous)).collect()
 }
 
