@@ -44,6 +44,14 @@ pub enum LabError {
         /// What is wrong and what is allowed.
         reason: String,
     },
+    /// Another system failed.
+    #[error("{peer} failed: {reason}")]
+    Peer {
+        /// Its name.
+        peer: &'static str,
+        /// What it says.
+        reason: String,
+    },
     /// A run gave too little to measure.
     #[error("{what} cannot be measured: {reason}")]
     Measure {

@@ -9,6 +9,7 @@ pub mod bench;
 pub mod column;
 pub mod dam_break;
 pub mod float;
+pub mod peers;
 
 /// What the laboratory can do.
 #[derive(Subcommand, Debug)]
@@ -21,6 +22,8 @@ pub enum Command {
     Float(float::FloatArgs),
     /// Speed: nanoseconds per particle and step in the benchmark tank, per pass and per number of threads.
     Bench(bench::BenchArgs),
+    /// Freshet, salva3d and SPlisHSPlasH in the benchmark tank, in turn in one run.
+    Peers(peers::PeersArgs),
 }
 
 impl Command {
@@ -31,6 +34,7 @@ impl Command {
             Command::Column(args) => column::run(args),
             Command::Float(args) => float::run(args),
             Command::Bench(args) => bench::run(args),
+            Command::Peers(args) => peers::run(args),
         }
     }
 }

@@ -3,6 +3,7 @@
 pub mod column;
 pub mod compression;
 pub mod containment;
+pub mod crowding;
 pub mod curve;
 pub mod front;
 pub mod reference_error;
