@@ -1,5 +1,6 @@
 // The wrapped uniform grid, as freshet_core::grid with cells cut along x: edges of the support radius along y and z and of
-// a CELLS_PER_RADIUS-th of it along x, x fastest, wrapped by a bit mask.
+// a CELLS_PER_RADIUS-th of it along x, x fastest, wrapped by a bit mask. Along axes that repeat the cells divide the period
+// and are longer, and differences are taken to the nearest image.
 #define_import_path freshet::grid
 
 #import freshet::bindings as fields
@@ -23,6 +24,25 @@ fn shape() -> Shape {
     return Shape(fields::parameters.cell_mask, fields::parameters.log_cells_x, fields::parameters.log_cells_xy);
 }
 
+// A point in units of cells, from the corner of cell zero.
+fn scaled(position: vec3<f32>) -> vec3<f32> {
+#ifdef PERIODIC
+    return (position - fields::parameters.grid_origin) * fields::parameters.inverse_cell_size;
+#else
+    return position * fields::parameters.inverse_cell_size;
+#endif
+}
+
+// From b to a; where the domain repeats itself, from the image of b that is nearest.
+fn difference(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    let x = a - b;
+#ifdef PERIODIC
+    return x - fields::parameters.period * round(x * fields::parameters.inverse_period);
+#else
+    return x;
+#endif
+}
+
 // A point in the grid: the wrapped coordinates of its cell, and where it is in the cell, as a part of each edge.
 struct Place {
     cell: vec3<u32>,
@@ -30,14 +50,14 @@ struct Place {
 }
 
 fn place_of(position: vec3<f32>) -> Place {
-    let scaled = position * fields::parameters.inverse_cell_size;
-    let lower = floor(scaled);
-    return Place(bitcast<vec3<u32>>(vec3<i32>(lower)) & fields::parameters.cell_mask, scaled - lower);
+    let at = scaled(position);
+    let lower = floor(at);
+    return Place(bitcast<vec3<u32>>(vec3<i32>(lower)) & fields::parameters.cell_mask, at - lower);
 }
 
 // Wrapped coordinates of the cell that holds a point.
 fn cell_of(position: vec3<f32>) -> vec3<u32> {
-    let lower = floor(position * fields::parameters.inverse_cell_size);
+    let lower = floor(scaled(position));
     return bitcast<vec3<u32>>(vec3<i32>(lower)) & fields::parameters.cell_mask;
 }
 
@@ -76,9 +96,14 @@ fn cells_of(grid: Shape, center: vec3<u32>, row: u32, begin: u32, end: u32) -> C
 fn reached(place: Place, row: u32) -> vec2<u32> {
     // What is left of the support at the row's distance from the point.
     let side = vec2<f32>(f32(row % 3u), f32(row / 3u)) - 1.0;
-    let gap = side * (max(side, vec2<f32>(0.0)) - place.inside.yz);
+    var gap = side * (max(side, vec2<f32>(0.0)) - place.inside.yz);
+    var cells_per_radius = f32(CELLS_PER_RADIUS);
+#ifdef PERIODIC
+    gap /= fields::parameters.cells_per_radius.yz;
+    cells_per_radius = fields::parameters.cells_per_radius.x;
+#endif
     let left = SQUARED_REACH - dot(gap, gap);
-    let reach = f32(CELLS_PER_RADIUS) * sqrt(max(left, 0.0));
+    let reach = cells_per_radius * sqrt(max(left, 0.0));
     let center = place.inside.x + f32(CELLS_PER_RADIUS);
     let begin = u32(max(center - reach, 0.0));
     let end = min(u32(center + reach) + 1u, ROW_CELLS);

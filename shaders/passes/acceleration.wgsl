@@ -1,7 +1,7 @@
-// a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k (P_a + Pi_ak) F x_ak ]
+// a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k (P_a + Pi_ak) F x_ak ] + Morris' viscosity
 // Pressure form: Monaghan 1992, eq. 3.3. Pi_ab: Monaghan 1992, eq. 4.1, with beta = 0, for all pairs (Monaghan 2005).
-// Pi_ak is that of a particle at rest with the density of a, for samples of viscous faces only.
-// The b come from the bits that the density pass left, see library/hits.wgsl.
+// Pi_ak is that of a particle at rest with the density of a, for samples of viscous faces only; Morris' viscosity acts there in
+// its stead. The b come from the bits that the density pass left, see library/hits.wgsl.
 
 #import freshet::bindings as fields
 #import freshet::equation_of_state
@@ -17,11 +17,16 @@ struct Own {
     position: vec3<f32>,
     pressure_term: f32,
     inverse_radius: f32,
-#ifdef VISCOSITY
+#ifdef PAIR_VELOCITIES
     velocity: vec3<f32>,
     density: f32,
-    viscosity_scale: f32,
-    viscosity_softening: f32,
+    softening: f32,
+#endif
+#ifdef ARTIFICIAL_VISCOSITY
+    artificial_scale: f32,
+#endif
+#ifdef MORRIS_VISCOSITY
+    pair_viscosity: f32,
 #endif
 }
 
@@ -29,52 +34,97 @@ fn own_of(a: u32) -> Own {
     var own: Own;
     own.position = fields::sorted_position(a);
     own.inverse_radius = fields::parameters.inverse_support_radius;
-#ifdef VISCOSITY
+#ifdef PAIR_VELOCITIES
     let motion = fields::velocity_and_density(a);
     own.pressure_term = equation_of_state::pressure_term(motion.w);
     own.velocity = motion.xyz;
     own.density = motion.w;
-    own.viscosity_scale = fields::parameters.viscosity_scale;
-    own.viscosity_softening = fields::parameters.viscosity_softening;
+    own.softening = fields::parameters.viscosity_softening;
 #else
     own.pressure_term = fields::pressure_term(a);
+#endif
+#ifdef ARTIFICIAL_VISCOSITY
+    own.artificial_scale = fields::parameters.viscosity_scale;
+#endif
+#ifdef MORRIS_VISCOSITY
+    own.pair_viscosity = fields::parameters.pair_viscosity;
 #endif
     return own;
 }
 
-// (P_a + P_b + Pi_ab) f'(q) / q x_ab
+// (P_a + P_b + Pi_ab) f'(q) / q x_ab, and Morris' term (1997, eq. 22) in the same units
 fn from_particle(own: Own, b: u32) -> vec3<f32> {
-    let x = own.position - fields::sorted_position(b);
+    let x = grid::difference(own.position, fields::sorted_position(b));
     let r_squared = dot(x, x);
-#ifdef VISCOSITY
+    let slope = kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius);
+#ifdef PAIR_VELOCITIES
     let motion = fields::velocity_and_density(b);
-    let approach = dot(own.velocity - motion.xyz, x);
-    let drag = own.viscosity_scale * approach / ((r_squared + own.viscosity_softening) * (own.density + motion.w));
-    let factor = own.pressure_term + equation_of_state::pressure_term(motion.w) - drag;
-#else
-    let factor = own.pressure_term + fields::pressure_term(b);
+    let velocity = own.velocity - motion.xyz;
+    var factor = own.pressure_term + equation_of_state::pressure_term(motion.w);
+#ifdef ARTIFICIAL_VISCOSITY
+    factor -= own.artificial_scale * dot(velocity, x) / ((r_squared + own.softening) * (own.density + motion.w));
 #endif
-    return (factor * kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius)) * x;
+#ifdef MORRIS_VISCOSITY
+    let exchange = own.pair_viscosity * r_squared / ((r_squared + own.softening) * (own.density * motion.w));
+    return slope * (factor * x - exchange * velocity);
+#else
+    return (factor * slope) * x;
+#endif
+#else
+    return ((own.pressure_term + fields::pressure_term(b)) * slope) * x;
+#endif
 }
 
 #ifdef SAMPLES
 // V_k P_a f'(q) / q x_ak
 fn from_sample(own: Own, k: u32) -> vec3<f32> {
-    let x = own.position - fields::sample_at(k);
+    let x = grid::difference(own.position, fields::sample_at(k));
     let factor = fields::sample_weight(k) * own.pressure_term;
     return (factor * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
 }
 #endif
 
-#ifdef VISCOUS_WALLS
+#ifdef DRAGGING_WALLS
 // V_k (P_a + Pi_ak) f'(q) / q x_ak
 fn from_wall(own: Own, k: u32) -> vec3<f32> {
-    let x = own.position - fields::sample_at(k);
+    let x = grid::difference(own.position, fields::sample_at(k));
     let r_squared = dot(x, x);
     let approach = fields::sample_viscous_weight(k) * dot(own.velocity, x);
-    let drag = own.viscosity_scale * approach / ((r_squared + own.viscosity_softening) * (2.0 * own.density));
+    let drag = own.artificial_scale * approach / ((r_squared + own.softening) * (2.0 * own.density));
     let factor = fields::sample_weight(k) * own.pressure_term - drag;
     return (factor * kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius)) * x;
+}
+#endif
+
+#ifdef STICKING_WALLS
+// Sums over samples of viscous faces, see `sticking`: of V_k F, V_k F x_ak and V_k F v_k.
+struct Contact {
+    strength: f32,
+    slope: vec3<f32>,
+    velocity: vec3<f32>,
+}
+
+fn touch(own: Own, k: u32, contact: ptr<function, Contact>) {
+    let x = grid::difference(own.position, fields::sample_at(k));
+    let slope = -kernels::slope_over_q(length(x) * own.inverse_radius);
+    let weight = fields::parameters.sample_force_scale * fields::sample_viscous_weight(k) * slope;
+    (*contact).strength += weight;
+    (*contact).slope += weight * x;
+#ifdef MOVING_WALLS
+    (*contact).velocity += weight * fields::wall_velocity(k);
+#endif
+}
+
+// Morris' viscosity between a particle and viscous faces: (mu rho0 / rho_a^2) (1/G) |D| (u - v_a) / y, with y = |D| / |s| minus
+// the depth of the samples behind the face. Derived in crates/freshet_cpu/src/passes/morris1997.rs.
+fn sticking(own: Own, contact: Contact) -> vec3<f32> {
+    if (contact.strength <= 0.0) {
+        return vec3<f32>(0.0);
+    }
+    let slope = length(contact.slope);
+    let distance = max(slope / contact.strength - fields::parameters.wall_depth, fields::parameters.nearest_wall);
+    let rate = fields::parameters.wall_viscosity / (own.density * own.density) * slope / distance;
+    return rate * (contact.velocity / contact.strength - own.velocity);
 }
 #endif
 
@@ -91,6 +141,9 @@ fn acceleration_of(a: u32) -> vec3<f32> {
     var fluid = vec3<f32>(0.0);
 #ifdef SAMPLES
     var samples = vec3<f32>(0.0);
+#endif
+#ifdef STICKING_WALLS
+    var contact: Contact;
 #endif
     for (var row = 0u; row < 9u; row++) {
         var found = 0u;
@@ -122,10 +175,14 @@ fn acceleration_of(a: u32) -> vec3<f32> {
 #ifdef WALLS
         let walls = grid::row_of(wall_starts, cells);
         for (var t = 0u; t < walls.count; t++) {
-#ifdef VISCOUS_WALLS
-            samples += from_wall(own, grid::member(walls, t));
+            let k = grid::member(walls, t);
+#ifdef DRAGGING_WALLS
+            samples += from_wall(own, k);
 #else
-            samples += from_sample(own, grid::member(walls, t));
+            samples += from_sample(own, k);
+#endif
+#ifdef STICKING_WALLS
+            touch(own, k, &contact);
 #endif
         }
 #endif
@@ -139,6 +196,9 @@ fn acceleration_of(a: u32) -> vec3<f32> {
     var result = fields::control.gravity - fields::parameters.fluid_force_scale * fluid;
 #ifdef SAMPLES
     result -= fields::parameters.sample_force_scale * samples;
+#endif
+#ifdef STICKING_WALLS
+    result += sticking(own, contact);
 #endif
     return result;
 }

@@ -30,7 +30,7 @@ fn body_load(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
         let around = grid::row_of(0u, grid::cells_of(extent, place.cell, row, reached.x, reached.y));
         for (var t = 0u; t < around.count; t++) {
             let a = grid::member(around, t);
-            let x = fields::sorted_position(a) - position;
+            let x = grid::difference(fields::sorted_position(a), position);
             let q = length(x) * inverse_radius;
             sum += (fields::pressure_term(a) * kernels::slope_over_q(q)) * x;
         }

@@ -40,7 +40,7 @@ fn density_of(a: u32) -> f32 {
         // Shifted out after the last place that has a bit.
         var bit = hits::FIRST_PLACE;
         for (var t = 0u; t < around.count; t++) {
-            let x = position - fields::sorted_position(grid::member(around, t));
+            let x = grid::difference(position, fields::sorted_position(grid::member(around, t)));
             let r_squared = dot(x, x);
             fluid += kernels::shape(sqrt(r_squared) * inverse_radius);
             // Not the particle itself, nor one at the same place: they exert no force.
@@ -53,7 +53,7 @@ fn density_of(a: u32) -> f32 {
             found |= select(0u, hits::SAMPLES, walls.count > 0u);
             for (var t = 0u; t < walls.count; t++) {
                 let wall = grid::member(walls, t);
-                let distance = length(position - fields::sample_at(wall));
+                let distance = length(grid::difference(position, fields::sample_at(wall)));
                 samples += fields::sample_weight(wall) * kernels::shape(distance * inverse_radius);
             }
         }
@@ -63,7 +63,7 @@ fn density_of(a: u32) -> f32 {
         found |= select(0u, hits::SAMPLES, bodies.count > 0u);
         for (var t = 0u; t < bodies.count; t++) {
             let body = grid::member(bodies, t);
-            let distance = length(position - fields::sample_at(body));
+            let distance = length(grid::difference(position, fields::sample_at(body)));
             samples += fields::sample_weight(body) * kernels::shape(distance * inverse_radius);
         }
 #endif
@@ -86,7 +86,7 @@ fn density(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
     if (a < fields::control.live) {
         let density = density_of(a);
         fields::set_density(a, density, equation_of_state::pressure_term(density));
-#ifdef VISCOSITY
+#ifdef PAIR_VELOCITIES
         fields::set_density_beside_velocity(a, density);
 #endif
         let ratio = density * fields::parameters.inverse_rest_density;

@@ -4,6 +4,18 @@
 #import freshet::bindings as fields
 #import freshet::threads
 
+#ifdef PERIODIC
+// What leaves a period through one end comes back through the other.
+fn wrapped(position: vec3<f32>) -> vec3<f32> {
+    let low = fields::parameters.period_low;
+    let high = fields::parameters.period_high;
+    let turns = floor((position - low) * fields::parameters.inverse_period);
+    let moved = position - fields::parameters.period * turns;
+    let image = select(low, moved, (moved >= low) & (moved < high));
+    return select(image, position, (position >= low) & (position < high));
+}
+#endif
+
 @compute @workgroup_size(#{WORKGROUP_SIZE})
 fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let a = threads::thread_index(group, local);
@@ -12,6 +24,9 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     }
     let dt = fields::control.substep;
     let velocity = fields::sorted_velocity(a) + fields::acceleration(a) * dt;
-    let position = fields::sorted_position(a) + velocity * dt;
+    var position = fields::sorted_position(a) + velocity * dt;
+#ifdef PERIODIC
+    position = wrapped(position);
+#endif
     fields::set_particle(a, position, fields::sorted_id(a), velocity, fields::sorted_remaining_life(a) - dt);
 }

@@ -12,6 +12,7 @@ pub mod grid;
 pub mod kernel;
 pub mod material;
 mod overlap;
+pub mod periodic;
 pub mod plan;
 pub mod run;
 pub mod sampling;
@@ -20,6 +21,7 @@ pub mod scene_file;
 pub mod snapshot;
 pub mod solver;
 pub mod step;
+pub mod viscosity;
 
 /// What most programs need.
 pub mod prelude {
@@ -29,11 +31,13 @@ pub mod prelude {
     pub use crate::field::{Field, FieldData};
     pub use crate::kernel::KernelKind;
     pub use crate::material::Material;
+    pub use crate::periodic::Periodic;
     pub use crate::plan::{Plan, SceneError, StageKind};
     pub use crate::run::SceneRun;
     pub use crate::scene::{Body, Boundary, BoundaryShape, FluidScene, Resolution, Settings, Shape, Support, Volume};
     pub use crate::snapshot::Snapshot;
     pub use crate::solver::{FluidSolver, Schedule, SolverError};
     pub use crate::step::{BodyInput, Command, Impulse, NewParticles, StepInput, StepReport};
+    pub use crate::viscosity::ViscosityModel;
     pub use glam::{Mat3, Quat, Vec3};
 }

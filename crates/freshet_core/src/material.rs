@@ -14,8 +14,9 @@ pub struct Material {
     pub rest_density: f32,
     /// Dynamic viscosity in Pa s, 0 to 1e6.
     ///
-    /// Carried with the material, read by the viscosity models. No viscosity model exists yet: until one is chosen for a
-    /// fluid, this number changes nothing, and honey flows as water.
+    /// Read by the viscosity models: until one is chosen
+    /// ([`Settings::viscosity_model`](crate::scene::Settings::viscosity_model)), this number changes nothing, and honey flows
+    /// as water.
     pub dynamic_viscosity: f32,
 }
 

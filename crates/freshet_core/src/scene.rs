@@ -9,6 +9,8 @@ use crate::equation_of_state::EquationOfState;
 use crate::error::{InvalidInput, check_finite, check_range};
 use crate::kernel::KernelKind;
 use crate::material::Material;
+use crate::periodic::Periodic;
+use crate::viscosity::ViscosityModel;
 
 /// A fluid, what holds it, what floats in it, and how it is to be simulated. SI units throughout.
 ///
@@ -48,6 +50,9 @@ pub struct FluidScene {
     /// What the fluid pushes and is pushed by, at most [`MAX_OBJECTS`].
     #[serde(default)]
     pub bodies: Vec<Body>,
+    /// Where the domain repeats itself; nowhere by default.
+    #[serde(default)]
+    pub periodic: Periodic,
     /// How it is simulated.
     #[serde(default)]
     pub settings: Settings,
@@ -69,6 +74,7 @@ impl FluidScene {
             emitters: Vec::new(),
             boundaries: Vec::new(),
             bodies: Vec::new(),
+            periodic: Periodic::default(),
             settings: Settings::default(),
         }
     }
@@ -180,10 +186,15 @@ pub struct Boundary {
     /// Its orientation.
     #[serde(default)]
     pub rotation: Quat,
-    /// Faces that drag the fluid along: the fluid's own artificial viscosity acts between it and them. Along the others it
-    /// slips freely. In the order -x, +x, -y, +y, -z, +z; a plane's only face is +y. All, if none are named.
+    /// Faces that drag the fluid along: it sticks to them if there is a [viscosity model](Settings::viscosity_model), otherwise
+    /// its artificial viscosity acts between it and them. Along the others it slips freely. In the order -x, +x, -y, +y, -z,
+    /// +z; a plane's only face is +y. All, if none are named.
     #[serde(default = "every_face")]
     pub viscous_faces: [bool; 6],
+    /// Velocity of the surface, m/s, up to 1e4, along every viscous face, in world axes: the wall stays where it is and moves as
+    /// a belt does. Zero unless there is a [viscosity model](Settings::viscosity_model), without which nothing would feel it.
+    #[serde(default)]
+    pub velocity: Vec3,
 }
 
 fn every_face() -> [bool; 6] {
@@ -205,12 +216,17 @@ impl Boundary {
 
     /// A shape that is not turned and has viscous faces only.
     pub fn new(shape: BoundaryShape, center: Vec3) -> Self {
-        Self { shape, center, rotation: Quat::IDENTITY, viscous_faces: every_face() }
+        Self { shape, center, rotation: Quat::IDENTITY, viscous_faces: every_face(), velocity: Vec3::ZERO }
     }
 
     /// The same with other faces viscous, see [`Boundary::viscous_faces`].
     pub fn with_viscous_faces(self, viscous_faces: [bool; 6]) -> Self {
         Self { viscous_faces, ..self }
+    }
+
+    /// The same with a surface that moves, see [`Boundary::velocity`].
+    pub fn with_velocity(self, velocity: Vec3) -> Self {
+        Self { velocity, ..self }
     }
 }
 
@@ -258,6 +274,8 @@ pub struct Settings {
     pub allow_compressible: bool,
     /// Monaghan's artificial viscosity alpha, 0 to 1; zero takes it out of the plan.
     pub artificial_viscosity: f32,
+    /// How the material's dynamic viscosity acts; none leaves it out of the plan.
+    pub viscosity_model: Option<ViscosityModel>,
     /// Substep over `h / (c + v)`, 0.01 to 1.
     pub courant_factor: f32,
     /// Substep over `sqrt(h / a)`, 0.01 to 1.
@@ -286,6 +304,7 @@ impl Default for Settings {
             expected_speed: None,
             allow_compressible: false,
             artificial_viscosity: 0.03,
+            viscosity_model: None,
             courant_factor: 0.4,
             force_factor: 0.25,
             viscous_factor: 0.125,
@@ -428,11 +447,15 @@ impl FluidScene {
             emitter.validate().map_err(|error| error.inside(format_args!("emitters[{index}]")))?;
         }
         for (index, boundary) in self.boundaries.iter().enumerate() {
-            boundary.validate().map_err(|error| error.inside(format_args!("boundaries[{index}]")))?;
+            boundary
+                .validate()
+                .and_then(|()| boundary.check_velocity(self.settings.viscosity_model))
+                .map_err(|error| error.inside(format_args!("boundaries[{index}]")))?;
         }
         for (index, body) in self.bodies.iter().enumerate() {
             body.validate().map_err(|error| error.inside(format_args!("bodies[{index}]")))?;
         }
+        self.periodic.validate().map_err(|error| error.inside("periodic"))?;
         self.settings.validate().map_err(|error| error.inside("settings"))
     }
 }
@@ -471,6 +494,29 @@ impl Boundary {
             }
         }
         check_pose(self.center, self.rotation)
+    }
+
+    fn check_velocity(&self, model: Option<ViscosityModel>) -> Result<(), InvalidInput> {
+        for value in self.velocity.to_array() {
+            check_range("velocity", value, -1e4, 1e4, "m/s")?;
+        }
+        if self.velocity == Vec3::ZERO {
+            return Ok(());
+        }
+        if model.is_none() {
+            return Err(InvalidInput::new("velocity", self.velocity, "zero, as there is no settings.viscosity_model"));
+        }
+        let across = (self.rotation.conjugate() * self.velocity).abs();
+        let is_face = |index: usize| match self.shape {
+            BoundaryShape::Container { open, .. } => !open[index],
+            BoundaryShape::Box { .. } => true,
+            BoundaryShape::Plane { .. } => index == 3,
+        };
+        let least = 1e-4 * self.velocity.length();
+        if (0..6).any(|index| is_face(index) && self.viscous_faces[index] && across[index / 2] > least) {
+            return Err(InvalidInput::new("velocity", self.velocity, "a vector along every viscous face"));
+        }
+        Ok(())
     }
 }
 

@@ -6,6 +6,8 @@ use freshet_core::grid::Grid;
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
     rows: [(u32, u32); 18],
+    /// How often each row is wrapped along x, y and z: -1, 0 or 1.
+    wraps: [[i8; 3]; 18],
     len: usize,
 }
 
@@ -20,18 +22,19 @@ impl Rows {
         let mut rows = Self::default();
         for dz in -1..=1i32 {
             for dy in -1..=1i32 {
-                let row_y = y.wrapping_add_signed(dy) & (size.y - 1);
-                let row_z = z.wrapping_add_signed(dz) & (size.z - 1);
+                let (row_y, wrap_y) = moved(y, dy, size.y);
+                let (row_z, wrap_z) = moved(z, dz, size.z);
                 let base = (row_y << log.x) | (row_z << (log.x + log.y));
-                let mut add = |first: u32, last: u32| rows.add(starts, base + first, base + last);
+                let mut add =
+                    |first: u32, last: u32, wrap| rows.add(starts, base + first, base + last, [wrap, wrap_y, wrap_z]);
                 if x == 0 {
-                    add(0, 1);
-                    add(size.x - 1, size.x - 1);
+                    add(0, 1, 0);
+                    add(size.x - 1, size.x - 1, -1);
                 } else if x == size.x - 1 {
-                    add(0, 0);
-                    add(x - 1, x);
+                    add(0, 0, 1);
+                    add(x - 1, x, 0);
                 } else {
-                    add(x - 1, x + 1);
+                    add(x - 1, x + 1, 0);
                 }
             }
         }
@@ -39,10 +42,11 @@ impl Rows {
     }
 
     #[inline(always)]
-    fn add(&mut self, starts: &[u32], first_cell: u32, last_cell: u32) {
+    fn add(&mut self, starts: &[u32], first_cell: u32, last_cell: u32, wraps: [i8; 3]) {
         let (start, end) = (starts[first_cell as usize], starts[last_cell as usize + 1]);
         if start < end {
             self.rows[self.len] = (start, end);
+            self.wraps[self.len] = wraps;
             self.len += 1;
         }
     }
@@ -53,11 +57,25 @@ impl Rows {
         &self.rows[..self.len]
     }
 
+    /// How often each range is wrapped along x, y and z.
+    #[inline(always)]
+    pub fn wraps(&self) -> &[[i8; 3]] {
+        &self.wraps[..self.len]
+    }
+
     /// Whether there is none.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
+}
+
+/// A cell's wrapped coordinate after a step of -1, 0 or 1, and how often that wrapped.
+#[inline(always)]
+fn moved(at: u32, step: i32, size: u32) -> (u32, i8) {
+    let to = at.wrapping_add_signed(step);
+    let wrapped = to & (size - 1);
+    (wrapped, if to == wrapped { 0 } else { step as i8 })
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use freshet_core::grid::Grid;
 use pulp::Simd;
 
 #[cfg(target_arch = "x86_64")]
@@ -36,6 +37,16 @@ impl Near {
         near
     }
 
+    /// The box, moved.
+    #[inline(always)]
+    fn moved(mut self, by: [f32; 3]) -> Self {
+        for ((low, high), by) in self.low.iter_mut().zip(&mut self.high).zip(by) {
+            *low += by;
+            *high += by;
+        }
+        self
+    }
+
     /// The square of the distance from the box.
     #[inline(always)]
     fn squared_gap<S: Simd>(&self, simd: S, position: [S::f32s; 3]) -> S::f32s {
@@ -55,12 +66,15 @@ pub struct Packed<const N: usize> {
     values: [Vec<f32>; N],
     chosen: Vec<u32>,
     len: usize,
+    /// Lengths of the domain's periods, m; zero along axes that do not repeat.
+    periods: [f32; 3],
 }
 
 impl<const N: usize> Packed<N> {
-    /// Without candidates.
-    pub fn new() -> Self {
-        Self { values: std::array::from_fn(|_| Vec::new()), chosen: Vec::new(), len: 0 }
+    /// Without candidates, for a grid.
+    pub fn new(grid: &Grid) -> Self {
+        let values = std::array::from_fn(|_| Vec::new());
+        Self { values, chosen: Vec::new(), len: 0, periods: grid.periodic.lengths().into() }
     }
 
     /// Number of candidates.
@@ -68,7 +82,8 @@ impl<const N: usize> Packed<N> {
         self.len
     }
 
-    /// Copies what is `near` of the ranges of `sources`, in order; the last lanes are filled up with particles far away.
+    /// Copies what is `near` of the ranges of `sources`, in order; the last lanes are filled up with particles far away. Ranges
+    /// beyond the end of a period are copied as their nearest images.
     #[inline(always)]
     pub fn pack<S: Simd>(&mut self, simd: S, rows: &Rows, near: &Near, sources: [&[f32]; N]) {
         let total: usize = rows.all().iter().map(|&(start, end)| (end - start) as usize).sum();
@@ -90,9 +105,13 @@ impl<const N: usize> Packed<N> {
     /// Returns the number of candidates copied.
     #[inline(always)]
     fn copy<S: Simd>(&mut self, simd: S, rows: &Rows, near: &Near, sources: &[&[f32]; N]) -> usize {
+        // Asked once a row: a copy of all this for either answer would be one for every kernel and instruction set.
+        let is_periodic = self.periods != [0.0; 3];
         let limit = simd.splat_f32s(near.squared_reach);
         let mut at = 0;
-        for &(start, end) in rows.all() {
+        let mut ends = [0; 18];
+        for (row, &(start, end)) in rows.all().iter().enumerate() {
+            let near = if is_periodic { near.moved(self.shift(rows.wraps()[row], -1.0)) } else { *near };
             let (mut first, end) = (start as usize, end as usize);
             while first < end {
                 let [x, y, z] = [sources[0], sources[1], sources[2]];
@@ -121,6 +140,7 @@ impl<const N: usize> Packed<N> {
                 }
                 first += S::F32_LANES;
             }
+            ends[row] = at;
         }
         if !is_avx512(simd) {
             for (values, source) in self.values.iter_mut().zip(sources) {
@@ -129,7 +149,35 @@ impl<const N: usize> Packed<N> {
                 }
             }
         }
+        if is_periodic {
+            self.shift_images(rows, &ends);
+        }
         at
+    }
+
+    /// Moves the ranges beyond the end of a period to where they are seen; `ends` is one past the last candidate of each.
+    fn shift_images(&mut self, rows: &Rows, ends: &[usize; 18]) {
+        let mut first = 0;
+        for (wraps, &end) in rows.wraps().iter().zip(ends) {
+            let shift = self.shift(*wraps, 1.0);
+            for (values, shift) in self.values.iter_mut().zip(shift) {
+                if shift != 0.0 {
+                    for value in &mut values[first..end] {
+                        *value += shift;
+                    }
+                }
+            }
+            first = end;
+        }
+    }
+
+    #[inline(always)]
+    fn shift(&self, wraps: [i8; 3], sign: f32) -> [f32; 3] {
+        let mut shift = self.periods;
+        for (length, wraps) in shift.iter_mut().zip(wraps) {
+            *length *= sign * f32::from(wraps);
+        }
+        shift
     }
 
     /// Lanes of candidates from `first` on.
@@ -157,20 +205,19 @@ fn is_avx512<S: Simd>(_: S) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use freshet_core::grid::Grid;
     use glam::Vec3;
     use pulp::{Arch, WithSimd};
 
     use super::*;
     use crate::samples::SortedSamples;
 
-    struct Pack<'a>(&'a SortedSamples, &'a Rows, Near);
+    struct Pack<'a>(&'a SortedSamples, &'a Rows, Near, &'a Grid);
 
     impl WithSimd for Pack<'_> {
         type Output = Vec<[f32; 4]>;
 
         fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-            let mut packed = Packed::<4>::new();
+            let mut packed = Packed::<4>::new(self.3);
             let [x, y, z] = &self.0.position;
             packed.pack(simd, self.1, &self.2, [x, y, z, &self.0.volume]);
             let last = packed.lanes::<S>(packed.len());
@@ -211,7 +258,7 @@ mod tests {
             let [x, y, z] = &sorted.position;
             let near = Near::around([x, y, z], own, 1.0);
             for arch in [Arch::new(), Arch::Scalar] {
-                let found = arch.dispatch(Pack(&sorted, &rows, near));
+                let found = arch.dispatch(Pack(&sorted, &rows, near, &grid));
                 assert!(found.len() > 100);
                 assert_eq!(found.iter().map(|value| value[3]).collect::<Vec<_>>(), expected, "around {at}");
                 for [x, y, z, volume] in found {

@@ -1,5 +1,6 @@
 //! The state, as a structure of arrays.
 
+use freshet_core::periodic::Periodic;
 use glam::Vec3;
 
 use crate::lanes::PADDING;
@@ -38,6 +39,17 @@ impl Particles {
         for axis in 0..3 {
             self.position[axis][index] = position[axis];
             self.velocity[axis][index] = velocity[axis];
+        }
+    }
+
+    /// Brings particles back into the periods of a domain that repeats itself.
+    pub fn wrap(&mut self, periodic: &Periodic) {
+        for axis in 0..3 {
+            if periodic.along(axis).is_some() {
+                for value in &mut self.position[axis][..self.len] {
+                    *value = periodic.wrap_along(axis, *value);
+                }
+            }
         }
     }
 

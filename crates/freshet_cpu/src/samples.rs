@@ -16,13 +16,24 @@ pub struct SortedSamples {
     pub volume: Vec<f32>,
     /// Volume weights of those that drag the fluid along, zero for the others; empty if there is none, padded otherwise.
     pub viscous_volume: Vec<f32>,
+    /// Velocities, m/s, padded; one array of zeros for all axes if none moves.
+    velocity: Vec<Vec<f32>>,
     /// Index of each sample in the order given.
     pub source: Vec<u32>,
 }
 
 impl SortedSamples {
-    /// Sorts samples; reuses memory.
+    /// Sorts samples, each as its image within the periods; reuses memory.
     pub fn sort(&mut self, grid: &Grid, positions: &[Vec3], volumes: &[f32]) {
+        if grid.periodic.any() {
+            let wrapped: Vec<Vec3> = positions.iter().map(|&position| grid.periodic.wrap(position)).collect();
+            self.sort_within(grid, &wrapped, volumes);
+        } else {
+            self.sort_within(grid, positions, volumes);
+        }
+    }
+
+    fn sort_within(&mut self, grid: &Grid, positions: &[Vec3], volumes: &[f32]) {
         let count = positions.len();
         let cells = grid.cells() as usize;
         self.starts.clear();
@@ -65,6 +76,23 @@ impl SortedSamples {
         }
     }
 
+    /// Says how the samples' surfaces move, in the order given to [`SortedSamples::sort`]; not at all if there is no velocity.
+    pub fn set_velocities(&mut self, velocities: &[Vec3]) {
+        let along = |axis: usize| {
+            let mut values: Vec<f32> =
+                self.source.iter().map(|&source| velocities.get(source as usize).map_or(0.0, |v| v[axis])).collect();
+            values.resize(self.len() + PADDING, 0.0);
+            values
+        };
+        let axes = if velocities.is_empty() { 0..1 } else { 0..3 };
+        self.velocity = axes.map(along).collect();
+    }
+
+    /// Velocities of the surfaces along x, y and z, m/s, padded.
+    pub fn velocity(&self) -> [&[f32]; 3] {
+        [0, 1, 2].map(|axis| self.velocity.get(axis).or(self.velocity.first()).map_or(&[][..], Vec::as_slice))
+    }
+
     /// Whether any drags the fluid along.
     pub fn drags(&self) -> bool {
         !self.viscous_volume.is_empty()
@@ -87,7 +115,8 @@ impl SortedSamples {
 
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
-        let reals: usize = self.position.iter().chain([&self.volume, &self.viscous_volume]).map(Vec::capacity).sum();
+        let weights = [&self.volume, &self.viscous_volume];
+        let reals: usize = self.position.iter().chain(weights).chain(&self.velocity).map(Vec::capacity).sum();
         4 * (reals + self.source.capacity() + self.starts.capacity()) as u64
     }
 }

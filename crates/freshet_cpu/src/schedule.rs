@@ -20,7 +20,7 @@ pub fn lower(plan: &Plan) -> Result<Vec<ScheduledPass>, SolverError> {
 }
 
 fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
-    let viscous = plan.parameters.artificial_viscosity > 0.0;
+    let viscous = plan.parameters.artificial_viscosity > 0.0 || plan.parameters.dynamic_viscosity > 0.0;
     let bytes_per_particle = match stage {
         // Key and order written and read, 32 bytes read and written.
         StageKind::Sort => 4 * 4 + 2 * 32,

@@ -18,6 +18,7 @@ use crate::passes::body_motion::{MovingBody, remember};
 use crate::passes::body_sort::BodySamples;
 use crate::passes::commands::Population;
 use crate::passes::density::Compression;
+use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::{Dropped, Sorter};
 use crate::passes::{acceleration, body_load, density, integrate, step_control};
 use crate::samples::SortedSamples;
@@ -157,6 +158,9 @@ impl CpuSolver {
         if !boundary.positions.is_empty() {
             self.walls.sort(&self.plan.grid, &boundary.positions, &boundary.volumes);
             self.walls.set_viscous(&boundary.viscous);
+            if self.plan.parameters.dynamic_viscosity > 0.0 {
+                self.walls.set_velocities(&boundary.velocities);
+            }
         }
         self.body_samples = BodySamples::default();
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
@@ -203,6 +207,9 @@ impl CpuSolver {
         };
         for command in &input.commands {
             report.refused += population.carry_out(command);
+        }
+        if self.plan.grid.periodic.any() {
+            self.particles.wrap(&self.plan.grid.periodic);
         }
         self.bodies = input
             .bodies
@@ -287,8 +294,16 @@ impl CpuSolver {
             }
         });
         tally.timed("integrate", || {
-            let chunks = &self.sorter.chunks;
-            integrate::integrate(&self.workers, chunks, &mut self.particles, &self.acceleration, self.mortal, dt);
+            let (chunks, periodic) = (&self.sorter.chunks, &self.plan.grid.periodic);
+            integrate::integrate(
+                &self.workers,
+                chunks,
+                &mut self.particles,
+                &self.acceleration,
+                periodic,
+                self.mortal,
+                dt,
+            );
         });
         tally.substeps += 1;
         tally.smallest = if tally.substeps == 1 { dt } else { tally.smallest.min(dt) };
@@ -361,6 +376,13 @@ impl CpuSolver {
             fluid_factor: -parameters.particle_mass * scale,
             sample_factor: -parameters.rest_density * scale,
             viscosity: 2.0 * parameters.artificial_viscosity * parameters.sound_speed * h,
+            physical: (parameters.dynamic_viscosity > 0.0).then(|| Viscosity {
+                of_pairs: 2.0 * parameters.dynamic_viscosity * parameters.gradient_calibration
+                    / parameters.viscous_calibration,
+                of_walls: parameters.dynamic_viscosity,
+                depth: parameters.boundary_depth,
+                nearest: 0.25 * parameters.spacing,
+            }),
             softening: 0.01 * h * h,
             gravity: self.gravity,
         };

@@ -80,6 +80,24 @@ fn momentum_in_free_flight_is_kept_to_rounding() {
     assert!(lost.length() < 1e-6, "{lost} m/s a particle");
 }
 
+/// A block that crosses every end of its domain more than once arrives as it left.
+#[test]
+fn what_leaves_a_period_comes_back() {
+    let mut scene = FluidScene { gravity: Vec3::ZERO, ..FluidScene::with_spacing(0.05) };
+    let velocity = Vec3::new(3.0, -2.5, 2.0);
+    scene.volumes = vec![Volume { velocity, ..Volume::block(Vec3::splat(0.15), Vec3::ZERO) }];
+    scene.periodic = Periodic { x: Some((-0.4, 0.4)), y: Some((-0.2, 0.2)), z: Some((-0.3, 0.5)) };
+    let mut solver = solver(&scene, 2);
+    let reports = run(&mut solver, 30);
+    assert!(reports.iter().all(|report| report.removed == 0));
+    let (start, end) = (solver.plan().positions.clone(), solver.snapshot().unwrap());
+    for (start, (end, after)) in start.iter().zip(end.positions.iter().zip(&end.velocities)) {
+        assert_eq!(scene.periodic.wrap(*end), *end);
+        let off = scene.periodic.nearest(*end - (*start + velocity * 0.5));
+        assert!(off.length() < 1e-4 && after.distance(velocity) < 1e-4, "{off} m and {after} m/s");
+    }
+}
+
 #[test]
 fn a_dam_break_stays_inside_and_in_real_time() {
     let mut solver = solver(&dam_break(), 2);

@@ -12,7 +12,7 @@ use crate::layout::{
 };
 use crate::memory::{Held, Memory};
 use crate::parameters::parameters;
-use crate::passes::Arguments;
+use crate::passes::{Arguments, moving_walls};
 
 /// Ticks that can be prepared without their report being collected.
 pub(crate) const TICK_SLOTS: usize = 8;
@@ -54,6 +54,9 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     if walls + moving > 0 {
         need(Binding::Samples, bytes(16, walls + moving), state);
     }
+    if moving_walls(plan) {
+        need(Binding::WallVelocities, bytes(16, walls), state);
+    }
     if !plan.bodies.is_empty() {
         let bodies = plan.bodies.len();
         need(Binding::Bodies, bytes(size_of::<BodyRecord>(), bodies), state);
@@ -92,9 +95,10 @@ impl Buffers {
         buffers.write(queue, Binding::Parameters, &[parameters(plan)]);
         let tables = CellTables::of(plan);
         if !plan.boundary.positions.is_empty() {
-            let (samples, starts) = sort_walls(plan);
-            buffers.write(queue, Binding::Samples, &samples);
-            buffers.write_at(queue, Binding::CellStarts, 4 * u64::from(tables.wall_starts), &starts);
+            let walls = sort_walls(plan);
+            buffers.write(queue, Binding::Samples, &walls.samples);
+            buffers.write(queue, Binding::WallVelocities, &walls.velocities);
+            buffers.write_at(queue, Binding::CellStarts, 4 * u64::from(tables.wall_starts), &walls.starts);
         }
         if !plan.bodies.is_empty() {
             let (samples, bodies) = body_records(plan);

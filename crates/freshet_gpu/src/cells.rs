@@ -2,7 +2,10 @@
 
 use freshet_core::plan::Plan;
 
+use glam::Vec3;
+
 use crate::fine_grid::FineGrid;
+use crate::passes::moving_walls;
 use crate::shader::SCAN_BLOCK;
 
 /// Where the sections of the two tables begin, in cells. Each section has an entry more than there are cells: the counts
@@ -41,21 +44,51 @@ impl CellTables {
     }
 }
 
-/// Whether the fluid's viscosity acts between it and some walls.
-pub(crate) fn drags(plan: &Plan) -> bool {
-    plan.parameters.artificial_viscosity > 0.0 && plan.boundary.viscous.contains(&true)
+/// What acts along the viscous faces of walls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum WallDrag {
+    /// Nothing, or there are none.
+    None,
+    /// The fluid's artificial viscosity.
+    Artificial,
+    /// Morris' viscosity: fluid sticks to them.
+    Morris,
+}
+
+impl WallDrag {
+    /// That of a plan.
+    pub fn of(plan: &Plan) -> Self {
+        match &plan.parameters {
+            _ if !plan.boundary.viscous.contains(&true) => WallDrag::None,
+            p if p.dynamic_viscosity > 0.0 => WallDrag::Morris,
+            p if p.artificial_viscosity > 0.0 => WallDrag::Artificial,
+            _ => WallDrag::None,
+        }
+    }
 }
 
 /// Set in a cell's start where the rows around it hold samples, as in `freshet::grid`.
 const NEAR_WALLS: u32 = 1 << 31;
 
+/// The samples of walls.
+pub(crate) struct SortedWalls {
+    /// Position, m, and volume, m3.
+    pub samples: Vec<[f32; 4]>,
+    /// Velocities of their surfaces, m/s; empty if none moves.
+    pub velocities: Vec<[f32; 4]>,
+    /// First sample of each cell, with the bit [`NEAR_WALLS`].
+    pub starts: Vec<u32>,
+}
+
 /// Samples of walls sorted by cell, in the plan's order within a cell, and the first sample of each cell with its bit
 /// [`NEAR_WALLS`].
 ///
-/// A sample is its position and its volume; the volume's sign is negative where a viscous face drags the fluid along.
-pub(crate) fn sort_walls(plan: &Plan) -> (Vec<[f32; 4]>, Vec<u32>) {
+/// A sample is its position and its volume; the volume's sign is negative where a viscous face drags the fluid along. Samples
+/// that move along their faces have a velocity, in the same order.
+pub(crate) fn sort_walls(plan: &Plan) -> SortedWalls {
     let grid = FineGrid::of(&plan.grid);
-    let cells: Vec<u32> = plan.boundary.positions.iter().map(|&position| grid.index(position)).collect();
+    let positions: Vec<Vec3> = plan.boundary.positions.iter().map(|&x| plan.grid.periodic.wrap(x)).collect();
+    let cells: Vec<u32> = positions.iter().map(|&position| grid.index(position)).collect();
     let mut order: Vec<usize> = (0..cells.len()).collect();
     order.sort_by_key(|&k| cells[k]);
     let mut starts = vec![0; grid.cells() as usize + 1];
@@ -71,10 +104,13 @@ pub(crate) fn sort_walls(plan: &Plan) -> (Vec<[f32; 4]>, Vec<u32>) {
             grid.around(cell).for_each(|near| starts[near as usize] |= NEAR_WALLS);
         }
     }
-    let sample = |k: usize| {
-        let [x, y, z] = plan.boundary.positions[k].to_array();
+    let drags = WallDrag::of(plan) != WallDrag::None;
+    let sample = |&k: &usize| {
+        let [x, y, z] = positions[k].to_array();
         let volume = plan.boundary.volumes[k];
-        [x, y, z, if drags(plan) && plan.boundary.viscous[k] { -volume } else { volume }]
+        [x, y, z, if drags && plan.boundary.viscous[k] { -volume } else { volume }]
     };
-    (order.into_iter().map(sample).collect(), starts)
+    let velocity = |&k: &usize| plan.boundary.velocities[k].extend(0.0).to_array();
+    let moving = if moving_walls(plan) { order.iter().map(velocity).collect() } else { Vec::new() };
+    SortedWalls { samples: order.iter().map(sample).collect(), velocities: moving, starts }
 }

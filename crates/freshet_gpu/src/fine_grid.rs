@@ -14,6 +14,8 @@ pub(crate) const CELLS_PER_RADIUS: u32 = 1 << LOG_CUTS;
 pub(crate) struct FineGrid {
     /// One over the edge lengths of a cell, 1/m.
     pub inverse_cell_size: Vec3,
+    /// Lower corner of cell zero, m.
+    pub origin: Vec3,
     /// Binary logarithm of the number of cells along x, y and z.
     pub log_cells: UVec3,
 }
@@ -21,9 +23,9 @@ pub(crate) struct FineGrid {
 impl FineGrid {
     /// Cuts the cells of a plan's grid.
     pub fn of(grid: &Grid) -> Self {
-        let inverse = 1.0 / grid.cell_size;
         Self {
-            inverse_cell_size: Vec3::new(inverse * CELLS_PER_RADIUS as f32, inverse, inverse),
+            inverse_cell_size: Vec3::new(CELLS_PER_RADIUS as f32, 1.0, 1.0) / grid.cell_edges(),
+            origin: grid.origin(),
             log_cells: grid.log_cells + UVec3::new(LOG_CUTS, 0, 0),
         }
     }
@@ -40,7 +42,7 @@ impl FineGrid {
 
     /// Wrapped index of the cell that holds a point, as `freshet::grid` forms it.
     pub fn index(&self, position: Vec3) -> u32 {
-        self.wrapped((position * self.inverse_cell_size).floor().as_ivec3())
+        self.wrapped(((position - self.origin) * self.inverse_cell_size).floor().as_ivec3())
     }
 
     /// The cells of the nine rows around a cell, itself among them.

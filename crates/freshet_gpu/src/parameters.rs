@@ -3,7 +3,7 @@
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::plan::Plan;
 use freshet_core::step::StepInput;
-use glam::UVec3;
+use glam::{UVec3, Vec3};
 
 use crate::cells::CellTables;
 use crate::fine_grid::FineGrid;
@@ -31,11 +31,26 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
     };
     let tables = CellTables::of(plan);
     let grid = FineGrid::of(&plan.grid);
+    let period = plan.grid.periodic.lengths();
+    let ends = |end: usize, none: f32| {
+        Vec3::from([0, 1, 2].map(|axis| plan.grid.periodic.along(axis).map_or(none, |(low, high)| [low, high][end])))
+    };
+    let viscosity = f64::from(p.dynamic_viscosity);
     Parameters {
         cell_mask: grid.dimensions() - UVec3::ONE,
         cells: grid.cells(),
         bounds_min: p.bounds_min,
         inverse_cell_size: grid.inverse_cell_size,
+        grid_origin: grid.origin,
+        cells_per_radius: p.support_radius * grid.inverse_cell_size,
+        period,
+        inverse_period: period.map(|length| if length > 0.0 { 1.0 / length } else { 0.0 }),
+        period_low: ends(0, f32::MIN),
+        period_high: ends(1, f32::MAX),
+        pair_viscosity: (2.0 * viscosity * f64::from(p.gradient_calibration) / f64::from(p.viscous_calibration)) as f32,
+        wall_viscosity: p.dynamic_viscosity,
+        wall_depth: p.boundary_depth,
+        nearest_wall: 0.25 * p.spacing,
         bounds_max: p.bounds_max,
         inverse_support_radius: (1.0 / radius) as f32,
         log_cells_x: grid.log_cells.x,

@@ -4,6 +4,7 @@ use freshet_core::plan::{Plan, StageKind};
 use freshet_core::solver::ScheduledPass;
 use freshet_shaders::{ShaderFile, passes};
 
+use crate::cells::WallDrag;
 use crate::layout::{Access, Binding};
 
 /// Indirect dispatches, by their place in the buffer of arguments.
@@ -69,6 +70,16 @@ impl Pass {
     }
 }
 
+/// Whether pairs need each other's velocities.
+pub(crate) fn needs_velocities(plan: &Plan) -> bool {
+    plan.parameters.artificial_viscosity > 0.0 || plan.parameters.dynamic_viscosity > 0.0
+}
+
+/// Whether fluid sticks to walls some of which move.
+pub(crate) fn moving_walls(plan: &Plan) -> bool {
+    !plan.boundary.velocities.is_empty() && WallDrag::of(plan) == WallDrag::Morris
+}
+
 /// The passes of one substep, in order.
 pub(crate) fn substep_passes(plan: &Plan) -> Vec<Pass> {
     plan.stages.iter().flat_map(|stage| stage_passes(stage.kind, plan)).collect()
@@ -80,7 +91,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
 
     let bodies = !plan.bodies.is_empty();
     let samples = bodies || !plan.boundary.positions.is_empty();
-    let viscous = plan.parameters.artificial_viscosity > 0.0;
+    let viscous = needs_velocities(plan);
     let pass = |name, file, dispatch, uses: &[(Binding, Access)]| {
         let mut uses = uses.to_vec();
         uses.push((B::Parameters, Read));
@@ -160,6 +171,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
         StageKind::Acceleration => {
             let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
             let uses = with(true, uses, &[(if viscous { B::SortedVelocities } else { B::Densities }, Read)]);
+            let uses = with(moving_walls(plan), uses, &[(B::WallVelocities, Read)]);
             let uses = with(true, uses, &[(B::Accelerations, Write), (B::Hits, Read)]);
             vec![pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses)]
         }

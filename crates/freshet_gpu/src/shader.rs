@@ -10,11 +10,11 @@ use freshet_shaders::library;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 use wgpu::naga;
 
-use crate::cells::drags;
+use crate::cells::WallDrag;
 use crate::fine_grid::CELLS_PER_RADIUS;
 use crate::layout::bindings_module;
 use crate::options::GpuOptions;
-use crate::passes::{Arguments, Pass};
+use crate::passes::{Arguments, Pass, moving_walls, needs_velocities};
 
 /// Cells that a workgroup of the prefix sum handles.
 pub(crate) const SCAN_BLOCK: u32 = 1024;
@@ -44,12 +44,18 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     let mut set = |name: &str| definitions.insert(name.to_owned(), ShaderDefValue::Bool(true));
     let walls = !plan.boundary.positions.is_empty();
     let bodies = !plan.bodies.is_empty();
+    let drag = WallDrag::of(plan);
     for (name, condition) in [
         ("WALLS", walls),
         ("BODIES", bodies),
         ("SAMPLES", walls || bodies),
-        ("VISCOSITY", parameters.artificial_viscosity > 0.0),
-        ("VISCOUS_WALLS", drags(plan)),
+        ("PAIR_VELOCITIES", needs_velocities(plan)),
+        ("ARTIFICIAL_VISCOSITY", parameters.artificial_viscosity > 0.0),
+        ("MORRIS_VISCOSITY", parameters.dynamic_viscosity > 0.0),
+        ("DRAGGING_WALLS", drag == WallDrag::Artificial),
+        ("STICKING_WALLS", drag == WallDrag::Morris),
+        ("MOVING_WALLS", moving_walls(plan)),
+        ("PERIODIC", plan.grid.periodic.any()),
         ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),
     ] {
         if condition {

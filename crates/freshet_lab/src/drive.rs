@@ -159,8 +159,19 @@ impl Drive {
 
     /// Positions of all particles, m.
     pub fn positions(&mut self) -> Result<Vec<Vec3>, LabError> {
-        let data = self.solver.read(Field::Position)?;
-        data.vectors().ok_or_else(|| SolverError::NoSuchField(Field::Position.name()).into())
+        self.vectors(Field::Position)
+    }
+
+    /// A vector field of all particles, in the order of [`positions`](Self::positions).
+    pub fn vectors(&mut self, field: Field) -> Result<Vec<Vec3>, LabError> {
+        self.solver.read(field)?.vectors().ok_or_else(|| SolverError::NoSuchField(field.name()).into())
+    }
+
+    /// Gives every particle the velocity that belongs to its position.
+    pub fn set_velocities(&mut self, velocity: impl Fn(Vec3) -> Vec3) -> Result<(), LabError> {
+        let mut snapshot = self.solver.snapshot()?;
+        snapshot.velocities = snapshot.positions.iter().map(|&position| velocity(position)).collect();
+        Ok(self.solver.restore(&snapshot)?)
     }
 
     /// A scalar field of all particles, in the order of [`positions`](Self::positions).

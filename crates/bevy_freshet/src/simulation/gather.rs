@@ -172,7 +172,7 @@ impl Gather<'_, '_, '_> {
     ) {
         if let Some(pose) = self.pose(entity, component) {
             let (center, rotation) = (pose.translation.into(), pose.rotation);
-            let boundary = Boundary { shape, center, rotation, viscous_faces };
+            let boundary = Boundary { rotation, viscous_faces, ..Boundary::new(shape, center) };
             walls.push(Wall { entity, component, boundary });
         }
     }

@@ -4,6 +4,8 @@ use glam::Vec3;
 
 use super::SceneError;
 use crate::error::InvalidInput;
+use crate::grid::Grid;
+use crate::periodic::{AXES, Periodic};
 use crate::scene::{FluidScene, MAX_PARTICLES};
 
 /// Refuses particles so far from the origin that `f32` cannot tell a sixty-fourth of their spacing.
@@ -19,12 +21,23 @@ pub(super) fn check_precision(corner: Vec3, spacing: f32) -> Result<(), InvalidI
 }
 
 /// Refuses bounds that leave out particles of the start: they would be gone after the first substep.
-pub(super) fn check_bounds((min, max): (Vec3, Vec3), positions: &[Vec3]) -> Result<(Vec3, Vec3), InvalidInput> {
+pub(super) fn check_bounds(
+    (min, max): (Vec3, Vec3),
+    positions: &[Vec3],
+    periodic: &Periodic,
+) -> Result<(Vec3, Vec3), InvalidInput> {
     let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
     if !(min.cmple(low).all() && max.cmpge(high).all()) {
         let allowed = format!("corners up to {low} and from {high} on, around all particles of the start");
         return Err(InvalidInput::new("settings.bounds", format_args!("{min} {max}"), allowed));
+    }
+    for (axis, name) in AXES.into_iter().enumerate() {
+        let Some((low, high)) = periodic.along(axis) else { continue };
+        if min[axis] > low || max[axis] < high {
+            let allowed = format!("corners around the whole of periodic.{name}, {low} to {high}");
+            return Err(InvalidInput::new("settings.bounds", format_args!("{min} {max}"), allowed));
+        }
     }
     Ok((min, max))
 }
@@ -69,4 +82,95 @@ pub(super) fn max_particles(scene: &FluidScene, start: usize, spacing: f32) -> R
         return Err(InvalidInput::new("settings.max_particles", most, format_args!("1 to {MAX_PARTICLES}")).into());
     }
     Ok((most as u32).max(1))
+}
+
+/// Refuses periods that are too short for the support.
+pub(super) fn check_periods(periodic: &Periodic, support_radius: f32) -> Result<(), InvalidInput> {
+    let least = Grid::shortest_period(support_radius);
+    for (axis, name) in AXES.into_iter().enumerate() {
+        let Some((low, high)) = periodic.along(axis) else { continue };
+        if high - low < least {
+            let value = format!("a period of {} m", high - low);
+            let allowed = format!("at least {} m, four support radii", 4.0 * support_radius);
+            return Err(InvalidInput::new(format_args!("periodic.{name}"), value, allowed));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses particles of the start outside of the periods: they would meet those whose images they are.
+pub(super) fn check_particles_within(
+    periodic: &Periodic,
+    positions: &[Vec3],
+    spacing: f32,
+) -> Result<(), InvalidInput> {
+    match outside(periodic, positions, spacing) {
+        Some((axis, at)) => {
+            let allowed = format!("a period around all volumes; one has particles at {} = {at} m", AXES[axis]);
+            Err(refused_period(periodic, axis, allowed))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses walls outside of the periods: they would stand across them.
+pub(super) fn check_walls_within(
+    periodic: &Periodic,
+    boundary: usize,
+    samples: &[Vec3],
+    spacing: f32,
+) -> Result<(), InvalidInput> {
+    match outside(periodic, samples, spacing) {
+        Some((axis, at)) => {
+            let allowed = format!(
+                "a period without a wall across it; boundaries[{boundary}] has samples at {} = {at} m: open its faces there",
+                AXES[axis]
+            );
+            Err(refused_period(periodic, axis, allowed))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Axis and coordinate of a point outside of the periods; a box that is no whole number of spacings long reaches out by a
+/// quarter.
+fn outside(periodic: &Periodic, points: &[Vec3], spacing: f32) -> Option<(usize, f32)> {
+    let margin = 0.26 * spacing;
+    (0..3).find_map(|axis| {
+        let (low, high) = periodic.along(axis)?;
+        let mut along = points.iter().map(|point| point[axis]);
+        along.find(|&at| at < low - margin || at > high + margin).map(|at| (axis, at))
+    })
+}
+
+fn refused_period(periodic: &Periodic, axis: usize, allowed: String) -> InvalidInput {
+    let (low, high) = periodic.along(axis).unwrap_or_default();
+    InvalidInput::new(format_args!("periodic.{}", AXES[axis]), format_args!("({low}, {high})"), allowed)
+}
+
+/// Refuses a body that would meet its own image.
+pub(super) fn check_width(samples: &[Vec3], periodic: &Periodic, support_radius: f32) -> Result<(), InvalidInput> {
+    let reach = samples.iter().map(|sample| sample.length()).fold(0.0, f32::max);
+    for (axis, name) in AXES.into_iter().enumerate() {
+        let Some((low, high)) = periodic.along(axis) else { continue };
+        let most = 0.5 * (high - low - support_radius);
+        if reach > most {
+            let value = format!("up to {reach} m from the centre of mass");
+            return Err(InvalidInput::new(
+                "samples",
+                value,
+                format_args!("up to {most} m, as periodic.{name} repeats"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a force without end along an axis that repeats, unless the scene says how fast the flow gets.
+pub(super) fn check_driven(scene: &FluidScene) -> Result<(), InvalidInput> {
+    if scene.settings.expected_speed.is_none() && scene.periodic.across(scene.gravity) != scene.gravity {
+        let allowed = "a number, as gravity drives the flow along an axis that repeats";
+        return Err(InvalidInput::new("settings.expected_speed", "none", allowed));
+    }
+    Ok(())
 }

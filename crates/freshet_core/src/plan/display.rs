@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::Plan;
+use crate::periodic::AXES;
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -41,6 +42,14 @@ impl fmt::Display for Plan {
             p.viscous_factor,
             p.substep_limit(0.0, p.gravity.length())
         )?;
+        if p.dynamic_viscosity > 0.0 {
+            writeln!(f, "  dynamic viscosity {} Pa s, calibration {:.4}", p.dynamic_viscosity, p.viscous_calibration)?;
+        }
+        for (axis, name) in AXES.into_iter().enumerate() {
+            if let Some((low, high)) = self.grid.periodic.along(axis) {
+                writeln!(f, "  repeats itself along {name}, from {low} to {high} m")?;
+            }
+        }
         let cells = self.grid.dimensions();
         writeln!(f, "  wrapped grid of {} x {} x {} cells", cells.x, cells.y, cells.z)?;
         for stage in &self.stages {

@@ -19,7 +19,7 @@ pub use self::parameters::Parameters;
 pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_volume};
 pub use self::stages::{Stage, StageKind};
 
-use self::checks::{check_bounds, check_precision, max_particles};
+use self::checks::{check_bounds, check_driven, check_particles_within, check_periods, check_precision, max_particles};
 use self::extent::Extent;
 use self::resolution::{kernel_of, spacing_of};
 use self::sampling::{plan_body, sample_boundaries, sample_volumes, stand};
@@ -85,15 +85,20 @@ impl Plan {
         check_range("resolution", spacing, MIN_SPACING, MAX_SPACING, "m between particles")?;
         let kernel = kernel_of(scene, spacing)?;
         let support_radius = kernel.support_radius();
+        let periodic = scene.periodic;
+        check_periods(&periodic, support_radius)?;
+        check_driven(scene)?;
 
         for (index, emitter) in scene.emitters.iter().enumerate() {
             emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;
         }
         let (mut positions, velocities, volume_ids) = sample_volumes(&scene.volumes, spacing)?;
+        check_particles_within(&periodic, &positions, spacing)?;
         let layer = WallLayer::new(&kernel, spacing);
-        let boundary = sample_boundaries(&scene.boundaries, &layer)?;
+        let boundary = sample_boundaries(&scene.boundaries, &periodic, &layer)?;
         let plan_body = |(index, body)| {
-            plan_body(body, &layer, support_radius).map_err(|error| error.inside(format_args!("bodies[{index}]")))
+            plan_body(body, &periodic, &layer, support_radius)
+                .map_err(|error| error.inside(format_args!("bodies[{index}]")))
         };
         let bodies = scene.bodies.iter().enumerate().map(plan_body).collect::<Result<Vec<PlannedBody>, _>>()?;
 
@@ -127,12 +132,15 @@ impl Plan {
         for (volume, &(first, count)) in scene.volumes.iter().zip(&volume_ids) {
             if volume.hydrostatic {
                 let range = first as usize..(first + count) as usize;
-                stand(&mut positions[range], scene.gravity, sound_speed, spacing);
+                stand(&mut positions[range], periodic.across(scene.gravity), sound_speed, spacing);
             }
+        }
+        for position in &mut positions {
+            *position = periodic.wrap(*position);
         }
         let max_particles = max_particles(scene, positions.len(), spacing)?;
         let (bounds_min, bounds_max) = match settings.bounds {
-            Some(bounds) => check_bounds(bounds, &positions)?,
+            Some(bounds) => check_bounds(bounds, &positions, &periodic)?,
             None => extent.grown(4.0),
         };
         let parameters = Parameters {
@@ -150,6 +158,8 @@ impl Plan {
             sound_speed,
             expected_speed,
             artificial_viscosity: settings.artificial_viscosity,
+            dynamic_viscosity: scene.physical_viscosity().map_or(0.0, |_| scene.material.dynamic_viscosity),
+            viscous_calibration: kernel.lattice_viscous_sum(spacing) as f32,
             courant_factor: settings.courant_factor,
             force_factor: settings.force_factor,
             viscous_factor: settings.viscous_factor,
@@ -164,9 +174,9 @@ impl Plan {
         Ok(Self {
             name: scene.name.clone(),
             parameters,
-            stages: stages(settings, !boundary.positions.is_empty(), &bodies),
+            stages: stages(scene, !boundary.positions.is_empty(), &bodies),
             fields,
-            grid: Grid::fitting(support_radius, extent.max - extent.min, max_particles),
+            grid: Grid::repeating(support_radius, extent.max - extent.min, periodic, max_particles),
             positions,
             velocities,
             volume_ids,

@@ -37,6 +37,10 @@ pub struct Parameters {
     pub expected_speed: f32,
     /// Monaghan's alpha.
     pub artificial_viscosity: f32,
+    /// Dynamic viscosity of Morris' model, Pa s; zero without a model.
+    pub dynamic_viscosity: f32,
+    /// Divisor of Morris' pair forces, so that a parabolic velocity on the rest lattice has its exact force.
+    pub viscous_calibration: f32,
     /// Step factors: Courant, force, viscous.
     pub courant_factor: f32,
     /// See [`Settings::force_factor`](crate::scene::Settings::force_factor).
@@ -55,7 +59,8 @@ pub struct Parameters {
 
 impl Parameters {
     /// The substep allowed by the Courant, force and viscous conditions for the given maxima (METHODS, Conventions):
-    /// `0.4 h/(c+v)`, `0.25 sqrt(h/a)`, `0.125 h^2/nu` with `nu = alpha c h / 10` (Monaghan 2005, eq. 8.8).
+    /// `0.4 h/(c+v)`, `0.25 sqrt(h/a)`, `0.125 h^2/nu` with `nu = alpha c h / 10` (Monaghan 2005, eq. 8.8)
+    /// plus `mu / rho`.
     pub fn substep_limit(&self, max_speed: f32, max_acceleration: f32) -> f32 {
         let h = self.smoothing_length;
         let courant = self.courant_factor * h / (self.sound_speed + max_speed);
@@ -65,7 +70,8 @@ impl Parameters {
 
     /// The substep allowed by viscosity alone, s.
     pub fn viscous_limit(&self) -> f32 {
-        let nu = self.artificial_viscosity * self.sound_speed * self.smoothing_length / 10.0;
+        let artificial = self.artificial_viscosity * self.sound_speed * self.smoothing_length / 10.0;
+        let nu = artificial + self.dynamic_viscosity / self.rest_density;
         self.viscous_factor * self.smoothing_length * self.smoothing_length / nu.max(1e-12)
     }
 

@@ -5,9 +5,10 @@ use std::fmt;
 use glam::Vec3;
 
 use super::SceneError;
-use super::checks::{check_crowding, check_precision};
+use super::checks::{check_crowding, check_precision, check_walls_within, check_width};
 use crate::error::InvalidInput;
 use crate::overlap::check_overlap;
+use crate::periodic::Periodic;
 use crate::sampling::lattice::{sample_box, sample_sphere};
 use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{Body, Boundary, BoundaryShape, MAX_PARTICLES, Shape, Volume};
@@ -19,8 +20,10 @@ pub struct PlannedBoundary {
     pub positions: Vec<Vec3>,
     /// Volume weights, m3.
     pub volumes: Vec<f32>,
-    /// Whether the fluid's artificial viscosity acts between it and the sample.
+    /// Whether the fluid's viscosity acts between it and the sample.
     pub viscous: Vec<bool>,
+    /// Velocities of the surfaces they stand for, m/s; empty if none moves.
+    pub velocities: Vec<Vec3>,
 }
 
 /// A body with the weights of its samples.
@@ -76,7 +79,11 @@ pub fn sample_volume(volume: &Volume, spacing: f32) -> Result<Vec<Vec3>, Invalid
 }
 
 /// Samples of all boundaries, with their weights.
-pub(super) fn sample_boundaries(boundaries: &[Boundary], layer: &WallLayer) -> Result<PlannedBoundary, SceneError> {
+pub(super) fn sample_boundaries(
+    boundaries: &[Boundary],
+    periodic: &Periodic,
+    layer: &WallLayer,
+) -> Result<PlannedBoundary, SceneError> {
     let spacing = layer.spacing();
     let too_many = |count: f64| {
         let allowed =
@@ -91,11 +98,15 @@ pub(super) fn sample_boundaries(boundaries: &[Boundary], layer: &WallLayer) -> R
     for (index, boundary) in boundaries.iter().enumerate() {
         let samples =
             sample_boundary(boundary, layer).map_err(|error| located(error, format_args!("boundaries[{index}]")))?;
+        check_walls_within(periodic, index, &samples, spacing)?;
         planned.viscous.extend(samples.iter().map(|&sample| is_viscous(boundary, layer, sample)));
         if planned.positions.len() + samples.len() > MAX_PARTICLES as usize {
             return Err(too_many((planned.positions.len() + samples.len()) as f64).into());
         }
-        planned.volumes.extend(layer.volumes(&samples));
+        planned.volumes.extend(layer.volumes_among(&samples, periodic));
+        if boundaries.iter().any(|boundary| boundary.velocity != Vec3::ZERO) {
+            planned.velocities.extend(samples.iter().map(|_| boundary.velocity));
+        }
         planned.positions.extend(samples);
     }
     Ok(planned)
@@ -167,8 +178,14 @@ fn located(error: InvalidInput, parent: fmt::Arguments<'_>) -> InvalidInput {
 }
 
 /// A body with the weights of its samples.
-pub(super) fn plan_body(body: &Body, layer: &WallLayer, support_radius: f32) -> Result<PlannedBody, InvalidInput> {
+pub(super) fn plan_body(
+    body: &Body,
+    periodic: &Periodic,
+    layer: &WallLayer,
+    support_radius: f32,
+) -> Result<PlannedBody, InvalidInput> {
     check_crowding(&body.samples, support_radius)?;
+    check_width(&body.samples, periodic, support_radius)?;
     let volumes = layer.volumes(&body.samples);
     Ok(PlannedBody { name: body.name.clone(), samples: body.samples.clone(), volumes })
 }

@@ -17,8 +17,10 @@ pub(super) fn expected_speed(
     if let Some(speed) = scene.settings.expected_speed {
         return (speed, "given by settings.expected_speed".to_owned());
     }
-    let gravity = scene.gravity.length();
-    let up = if gravity > 0.0 { -scene.gravity / gravity } else { Vec3::Y };
+    // Along an axis that repeats nothing is high or low.
+    let down = scene.periodic.across(scene.gravity);
+    let gravity = down.length();
+    let up = if gravity > 0.0 { -down / gravity } else { Vec3::Y };
     let heights = |points: &[Vec3]| {
         points
             .iter()
@@ -43,6 +45,10 @@ pub(super) fn expected_speed(
         let fall = if wall_low.is_finite() { (fluid_high - wall_low).max(0.0) } else { 0.0 };
         let speed = (initial * initial + 2.0 * gravity * fall).sqrt();
         consider(speed, format!("volumes[{index}] at {initial} m/s falling {fall:.4} m"));
+    }
+    for (index, boundary) in scene.boundaries.iter().enumerate() {
+        let speed = boundary.velocity.length();
+        consider(speed, format!("boundaries[{index}] drags the fluid along at {speed} m/s"));
     }
     for (index, emitter) in scene.emitters.iter().enumerate() {
         let low = wall_low.min(fluid_low);

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::sampling::PlannedBody;
-use crate::scene::Settings;
+use crate::scene::FluidScene;
+use crate::viscosity::ViscosityModel;
 
 /// What a substep consists of; a solver may make several passes of a stage or fuse stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -52,7 +53,7 @@ pub struct Stage {
 }
 
 /// Only what the scene needs, in order.
-pub(super) fn stages(settings: &Settings, walls: bool, bodies: &[PlannedBody]) -> Vec<Stage> {
+pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) -> Vec<Stage> {
     let mut stages = Vec::new();
     let mut add = |kind, reason: &str| stages.push(Stage { kind, reason: reason.to_owned() });
     add(StageKind::Sort, "particles have neighbours, which are searched in cells of the support radius");
@@ -70,10 +71,11 @@ pub(super) fn stages(settings: &Settings, walls: bool, bodies: &[PlannedBody]) -
     );
     add(
         StageKind::Acceleration,
-        if settings.artificial_viscosity > 0.0 {
-            "pressure, artificial viscosity and gravity"
-        } else {
-            "pressure and gravity; settings.artificial_viscosity is 0"
+        match (scene.settings.artificial_viscosity > 0.0, scene.physical_viscosity()) {
+            (true, None) => "pressure, artificial viscosity and gravity",
+            (false, None) => "pressure and gravity; settings.artificial_viscosity is 0",
+            (true, Some(_)) => "pressure, artificial viscosity, the material's viscosity and gravity",
+            (false, Some(_)) => "pressure, the material's viscosity and gravity",
         },
     );
     if !bodies.is_empty() {
@@ -83,6 +85,20 @@ pub(super) fn stages(settings: &Settings, walls: bool, bodies: &[PlannedBody]) -
     if !bodies.is_empty() {
         add(StageKind::BodyMotion, "bodies answer within the tick");
     }
-    add(StageKind::Integrate, "semi-implicit Euler: one force evaluation a substep, energy error bounded");
+    add(
+        StageKind::Integrate,
+        if scene.periodic.any() {
+            "semi-implicit Euler: one force evaluation a substep, energy error bounded; the domain repeats itself"
+        } else {
+            "semi-implicit Euler: one force evaluation a substep, energy error bounded"
+        },
+    );
     stages
+}
+
+impl FluidScene {
+    /// The model by which the material's viscosity acts, if it has both.
+    pub(super) fn physical_viscosity(&self) -> Option<ViscosityModel> {
+        self.settings.viscosity_model.filter(|_| self.material.dynamic_viscosity > 0.0)
+    }
 }

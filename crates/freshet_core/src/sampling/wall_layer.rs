@@ -24,6 +24,7 @@ use super::boundary::{sample_box_surface, sample_container, sample_plane, sample
 use super::volume_weights::volume_weights;
 use crate::error::InvalidInput;
 use crate::kernel::Kernel;
+use crate::periodic::Periodic;
 
 /// Depth and weight of boundary samples for a kernel and a spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,10 +72,20 @@ impl WallLayer {
         volume_weights(samples, &self.kernel, f64::from(self.gamma))
     }
 
+    /// The same in a domain that repeats itself, where samples near its ends have neighbours beyond them.
+    pub fn volumes_among(&self, samples: &[Vec3], periodic: &Periodic) -> Vec<f32> {
+        let images = periodic.images(samples, self.kernel.support_radius());
+        let mut volumes = self.volumes(&[samples, &images].concat());
+        volumes.truncate(samples.len());
+        volumes
+    }
+
     /// Samples of a box-shaped tank with the fluid inside; see [`sample_container`].
     pub fn container(&self, half_extents: Vec3, open: [bool; 6]) -> Result<Vec<Vec3>, InvalidInput> {
         sample_container(half_extents, open, self.spacing)?;
-        sample_container(half_extents + self.beyond(), open, self.spacing)
+        // A channel ends where it is said to, so that a next one, or its own image, goes on without a seam.
+        let beyond = [0, 2, 4].map(|face| if open[face] && open[face + 1] { 0.0 } else { self.beyond() });
+        sample_container(half_extents + Vec3::from(beyond), open, self.spacing)
     }
 
     /// Samples of a box-shaped body with the fluid outside; see [`sample_box_surface`].

@@ -1,14 +1,16 @@
-//! Stage `acceleration`: pressure, artificial viscosity and gravity.
+//! Stage `acceleration`: pressure, viscosity and gravity.
 //!
 //! `a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k (P_a + Pi_ak) F x_ak ]`; `Pi_ab` after Monaghan 1992
 //! with beta = 0, for pairs that part as for pairs that approach (Monaghan 2005, section 8: a Newtonian viscosity). Walls and
 //! bodies act through the density they add (Akinci et al. 2012). `Pi_ak` is that of a particle at rest with the density of `a`,
-//! for samples of viscous faces; elsewhere fluid slips freely.
+//! for samples of viscous faces; elsewhere fluid slips freely. With a physical viscosity, see [`morris1997`](super::morris1997),
+//! that acts at viscous faces in its stead.
 
 use freshet_core::grid::Grid;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 
+use super::morris1997::{self, Viscosity};
 use crate::lanes::{Sums, divide, sqrt, sum_vector};
 use crate::neighbours::Rows;
 use crate::packed::{Near, Packed};
@@ -40,6 +42,8 @@ pub struct Inputs<'a> {
     pub sample_factor: f32,
     /// `2 alpha c h`; zero for a plan without viscosity.
     pub viscosity: f32,
+    /// Morris' viscosity, if the plan has it.
+    pub physical: Option<Viscosity>,
     /// `0.01 h^2`, m2.
     pub softening: f32,
     /// m/s2.
@@ -69,27 +73,29 @@ impl WithKernel for Task<'_> {
     type Output = Maxima;
 
     fn with<K: SimdKernel>(self, _: K) -> Maxima {
-        if self.inputs.viscosity > 0.0 {
-            self.inputs.arch.dispatch(Typed::<K, true>(self, std::marker::PhantomData))
-        } else {
-            self.inputs.arch.dispatch(Typed::<K, false>(self, std::marker::PhantomData))
+        let arch = self.inputs.arch;
+        match (self.inputs.viscosity > 0.0, self.inputs.physical.is_some()) {
+            (_, true) => arch.dispatch(Typed::<K, false, true>(self, std::marker::PhantomData)),
+            (true, false) => arch.dispatch(Typed::<K, true, false>(self, std::marker::PhantomData)),
+            (false, false) => arch.dispatch(Typed::<K, false, false>(self, std::marker::PhantomData)),
         }
     }
 }
 
-struct Typed<'a, K, const VISCOUS: bool>(Task<'a>, std::marker::PhantomData<K>);
+struct Typed<'a, K, const ARTIFICIAL: bool, const PHYSICAL: bool>(Task<'a>, std::marker::PhantomData<K>);
 
-impl<K: SimdKernel, const VISCOUS: bool> WithSimd for Typed<'_, K, VISCOUS> {
+impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for Typed<'_, K, ARTIFICIAL, PHYSICAL> {
     type Output = Maxima;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Maxima {
         let Task { inputs, chunk, acceleration: [ax, ay, az] } = self.0;
         let ([x, y, z], [vx, vy, vz]) = (&inputs.particles.position, &inputs.particles.velocity);
-        let mut calm = Packed::<4>::new();
-        let mut dragging = Packed::<5>::new();
-        let mut viscous = Packed::<8>::new();
-        let mut sums = Sums::default();
+        let mut calm = Packed::<4>::new(inputs.grid);
+        let mut dragging = Packed::<5>::new(inputs.grid);
+        let mut sticking = Packed::<7>::new(inputs.grid);
+        let mut viscous = Packed::<8>::new(inputs.grid);
+        let (mut sums, mut wall_sums) = (Sums::default(), Sums::default());
         let pairs = Pairs::new(simd, &inputs);
         let mut maxima = Maxima::default();
         for cell in chunk.cells.clone() {
@@ -101,21 +107,30 @@ impl<K: SimdKernel, const VISCOUS: bool> WithSimd for Typed<'_, K, VISCOUS> {
             let own = Own::new(&inputs, &range);
             let (sums, _) = sums.zeroed::<S>(3 * range.len()).as_chunks_mut::<3>();
             let rows = Rows::around(inputs.grid, inputs.starts, cell);
-            if VISCOUS {
+            if ARTIFICIAL || PHYSICAL {
                 let sources = [x, y, z, inputs.pressure_term, vx, vy, vz, inputs.density];
                 viscous.pack(simd, &rows, &near, sources);
-                add_viscous_fluid::<S, K>(simd, pairs, own, &viscous, sums);
+                // Beside a physical viscosity the artificial one is a question once a pair instead of code of its own.
+                let is_artificial = ARTIFICIAL || inputs.viscosity > 0.0;
+                add_viscous_fluid::<S, K, PHYSICAL>(simd, pairs, own, &viscous, is_artificial, sums);
             } else {
                 calm.pack(simd, &rows, &near, [x, y, z, inputs.pressure_term]);
                 add_fluid::<S, K>(simd, pairs, own, &calm, sums);
             }
+            let stuck = if PHYSICAL { 7 * range.len() } else { 0 };
+            let (wall_sums, _) = wall_sums.zeroed::<S>(stuck).as_chunks_mut::<7>();
             for samples in inputs.samples {
                 let rows = Rows::around(inputs.grid, &samples.starts, cell);
                 if rows.is_empty() {
                     continue;
                 }
                 let [x, y, z] = &samples.position;
-                if VISCOUS && samples.drags() {
+                if PHYSICAL && samples.drags() {
+                    let [u, v, w] = samples.velocity();
+                    sticking.pack(simd, &rows, &near, [x, y, z, &samples.viscous_volume, u, v, w]);
+                    morris1997::add_walls::<S, K>(simd, pairs, own, &sticking, wall_sums);
+                }
+                if ARTIFICIAL && samples.drags() {
                     dragging.pack(simd, &rows, &near, [x, y, z, &samples.volume, &samples.viscous_volume]);
                     add_viscous_samples::<S, K>(simd, pairs, own, &dragging, sums);
                 } else {
@@ -123,8 +138,12 @@ impl<K: SimdKernel, const VISCOUS: bool> WithSimd for Typed<'_, K, VISCOUS> {
                     add_samples::<S, K>(simd, pairs, own, &calm, sums);
                 }
             }
-            for (i, &sum) in range.zip(&*sums) {
-                let value = inputs.gravity + sum_vector(simd, sum);
+            for (i, &sum) in range.clone().zip(&*sums) {
+                let mut value = inputs.gravity + sum_vector(simd, sum);
+                if PHYSICAL && let Some(viscosity) = inputs.physical {
+                    let (walls, velocity) = (&wall_sums[i - range.start], inputs.particles.velocity_of(i));
+                    value += morris1997::wall_drag(simd, walls, viscosity, velocity, inputs.density[i]);
+                }
                 let at = i - chunk.particles.start;
                 (ax[at], ay[at], az[at]) = value.into();
                 maxima.acceleration_squared = maxima.acceleration_squared.max(value.length_squared());
@@ -137,7 +156,7 @@ impl<K: SimdKernel, const VISCOUS: bool> WithSimd for Typed<'_, K, VISCOUS> {
 
 /// A cell's particles.
 #[derive(Clone, Copy)]
-struct Own<'a> {
+pub struct Own<'a> {
     position: [&'a [f32]; 3],
     velocity: [&'a [f32]; 3],
     density: &'a [f32],
@@ -158,7 +177,7 @@ impl<'a> Own<'a> {
 
     /// Positions and pressure terms, each beside the sum it belongs to.
     #[inline(always)]
-    fn with<'b, T>(self, sums: &'b mut [T]) -> impl Iterator<Item = (&'b mut T, [f32; 3], f32)>
+    pub fn with<'b, T>(self, sums: &'b mut [T]) -> impl Iterator<Item = (&'b mut T, [f32; 3], f32)>
     where
         'a: 'b,
     {
@@ -172,13 +191,14 @@ impl<'a> Own<'a> {
     }
 }
 
-/// `-m A/(G H^5) sum_b (P_a + P_b + Pi_ab) f'(q)/q x_ab` over the fluid, for each of a cell's particles.
+/// `-m A/(G H^5) sum_b (P_a + P_b + Pi_ab) f'(q)/q x_ab` over the fluid, for each of a cell's particles, and Morris' viscosity.
 #[inline(always)]
-fn add_viscous_fluid<S: Simd, K: SimdKernel>(
+fn add_viscous_fluid<S: Simd, K: SimdKernel, const PHYSICAL: bool>(
     simd: S,
     pairs: Pairs<S>,
     own: Own,
     all: &Packed<8>,
+    is_artificial: bool,
     sums: &mut [[S::f32s; 3]],
 ) {
     let [vx, vy, vz] = own.velocity;
@@ -191,13 +211,19 @@ fn add_viscous_fluid<S: Simd, K: SimdKernel>(
             let du = simd.sub_f32s(simd.splat_f32s(own_u), u);
             let dv = simd.sub_f32s(simd.splat_f32s(own_v), v);
             let dw = simd.sub_f32s(simd.splat_f32s(own_w), w);
-            let approach = simd.mul_add_f32s(dw, dz, simd.mul_add_f32s(dv, dy, simd.mul_f32s(du, dx)));
-            let numerator = simd.mul_f32s(pairs.viscosity, approach);
-            let densities = simd.add_f32s(simd.splat_f32s(own_density), density);
-            let divisor = simd.mul_f32s(simd.add_f32s(squared, pairs.softening), densities);
-            let pressure = simd.add_f32s(simd.splat_f32s(own_term), term);
-            let strength = simd.sub_f32s(pressure, divide(simd, numerator, divisor));
+            let own_density = simd.splat_f32s(own_density);
+            let mut strength = simd.add_f32s(simd.splat_f32s(own_term), term);
+            if is_artificial {
+                let approach = simd.mul_add_f32s(dw, dz, simd.mul_add_f32s(dv, dy, simd.mul_f32s(du, dx)));
+                let numerator = simd.mul_f32s(pairs.viscosity, approach);
+                let densities = simd.add_f32s(own_density, density);
+                let divisor = simd.mul_f32s(simd.add_f32s(squared, pairs.softening), densities);
+                strength = simd.sub_f32s(strength, divide(simd, numerator, divisor));
+            }
             let slope = simd.mul_f32s(pairs.fluid_factor, pairs.slope::<K>(simd, squared));
+            if PHYSICAL {
+                morris1997::add_pair(simd, pairs, [squared, slope], [own_density, density], [du, dv, dw], sum);
+            }
             add(simd, sum, simd.mul_f32s(strength, slope), [dx, dy, dz]);
         }
         first += S::F32_LANES;
@@ -269,12 +295,16 @@ fn add_viscous_samples<S: Simd, K: SimdKernel>(
 
 /// Constants of the innermost loop, in registers: read through a reference they would be read again for every pair.
 #[derive(Clone, Copy)]
-struct Pairs<S: Simd> {
+pub struct Pairs<S: Simd> {
     inverse_radius: S::f32s,
     fluid_factor: S::f32s,
-    sample_factor: S::f32s,
+    /// See [`Inputs::sample_factor`].
+    pub sample_factor: S::f32s,
     viscosity: S::f32s,
-    softening: S::f32s,
+    /// See [`Viscosity::of_pairs`].
+    pub physical: S::f32s,
+    /// See [`Inputs::softening`].
+    pub softening: S::f32s,
 }
 
 impl<S: Simd> Pairs<S> {
@@ -285,13 +315,14 @@ impl<S: Simd> Pairs<S> {
             fluid_factor: simd.splat_f32s(inputs.fluid_factor),
             sample_factor: simd.splat_f32s(inputs.sample_factor),
             viscosity: simd.splat_f32s(inputs.viscosity),
+            physical: simd.splat_f32s(inputs.physical.map_or(0.0, |viscosity| viscosity.of_pairs)),
             softening: simd.splat_f32s(inputs.softening),
         }
     }
 
     /// `f'(q)/q`, zero beyond the support.
     #[inline(always)]
-    fn slope<K: SimdKernel>(self, simd: S, squared: S::f32s) -> S::f32s {
+    pub fn slope<K: SimdKernel>(self, simd: S, squared: S::f32s) -> S::f32s {
         let q = simd.mul_f32s(sqrt(simd, squared), self.inverse_radius);
         K::slope_over_q(simd, simd.min_f32s(q, simd.splat_f32s(1.0)))
     }
@@ -299,7 +330,7 @@ impl<S: Simd> Pairs<S> {
 
 /// `x_ab` and its square, between a particle and lanes of others.
 #[inline(always)]
-fn difference<S: Simd>(simd: S, own: [f32; 3], other: [S::f32s; 3]) -> ([S::f32s; 3], S::f32s) {
+pub fn difference<S: Simd>(simd: S, own: [f32; 3], other: [S::f32s; 3]) -> ([S::f32s; 3], S::f32s) {
     let dx = simd.sub_f32s(simd.splat_f32s(own[0]), other[0]);
     let dy = simd.sub_f32s(simd.splat_f32s(own[1]), other[1]);
     let dz = simd.sub_f32s(simd.splat_f32s(own[2]), other[2]);

@@ -52,7 +52,7 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
     fn with_simd<S: Simd>(self, simd: S) -> Vec<Vec3> {
         let task = self.0;
         let [x, y, z] = &task.particles.position;
-        let mut candidates = Packed::<4>::new();
+        let mut candidates = Packed::<4>::new(task.grid);
         let mut packed_cell = None;
         let mut forces = Vec::with_capacity(task.slots.1 - task.slots.0);
         for slot in task.slots.0..task.slots.1 {

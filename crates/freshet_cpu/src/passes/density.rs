@@ -73,8 +73,8 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
     fn with_simd<S: Simd>(self, simd: S) -> Compression {
         let Task { inputs, chunk, density, pressure_term } = self.0;
         let [x, y, z] = &inputs.particles.position;
-        let mut candidates = Packed::<3>::new();
-        let mut weighted = Packed::<4>::new();
+        let mut candidates = Packed::<3>::new(inputs.grid);
+        let mut weighted = Packed::<4>::new(inputs.grid);
         let mut sums = Sums::default();
         let pairs = Pairs::new(simd, &inputs);
         for cell in chunk.cells.clone() {

@@ -8,5 +8,6 @@ pub mod body_sort;
 pub mod commands;
 pub mod density;
 pub mod integrate;
+pub mod morris1997;
 pub mod sort;
 pub mod step_control;

@@ -32,26 +32,36 @@ pub struct Dropped {
 
 /// Bounds and grid, as the keys need them.
 struct KeyRule {
-    inverse_cell: f32,
+    origin: Vec3,
+    inverse_edges: Vec3,
     mask: UVec3,
     shift: [u32; 2],
     trash: u32,
     bounds: [Vec3; 2],
+    repeats: [bool; 3],
 }
 
 impl KeyRule {
     fn new(grid: &Grid, bounds: [Vec3; 2]) -> Self {
         Self {
-            inverse_cell: 1.0 / grid.cell_size,
+            origin: grid.origin(),
+            inverse_edges: 1.0 / grid.cell_edges(),
             mask: grid.dimensions() - UVec3::ONE,
             shift: [grid.log_cells.x, grid.log_cells.x + grid.log_cells.y],
             trash: grid.cells(),
             bounds,
+            repeats: [0, 1, 2].map(|axis| grid.periodic.along(axis).is_some()),
         }
     }
 
     #[inline(always)]
-    fn key(&self, position: [f32; 3], velocity: [f32; 3], life: f32, dropped: &mut Dropped) -> u32 {
+    fn key<const PERIODIC: bool>(
+        &self,
+        position: [f32; 3],
+        velocity: [f32; 3],
+        life: f32,
+        dropped: &mut Dropped,
+    ) -> u32 {
         if life <= 0.0 {
             dropped.retired += 1;
             return self.trash;
@@ -63,7 +73,14 @@ impl KeyRule {
             dropped.removed += 1;
             return self.trash;
         }
-        let cell = |axis: usize| floor(position[axis] * self.inverse_cell) as u32 & self.mask[axis];
+        let cell = |axis: usize| {
+            if PERIODIC && self.repeats[axis] {
+                // What rounding puts beyond the last cell of a period is in it.
+                let along = (position[axis] - self.origin[axis]) * self.inverse_edges[axis];
+                return floor(along).clamp(0, self.mask[axis] as i32) as u32;
+            }
+            floor(position[axis] * self.inverse_edges[axis]) as u32 & self.mask[axis]
+        };
         cell(0) | (cell(1) << self.shift[0]) | (cell(2) << self.shift[1])
     }
 }
@@ -86,7 +103,12 @@ impl Sorter {
         scratch: &mut Particles,
     ) -> Dropped {
         let cells = grid.cells() as usize;
-        let blocks = self.count(workers, &KeyRule::new(grid, bounds), particles);
+        let rule = KeyRule::new(grid, bounds);
+        let blocks = if grid.periodic.any() {
+            self.count::<true>(workers, &rule, particles)
+        } else {
+            self.count::<false>(workers, &rule, particles)
+        };
         let dropped = blocks.iter().fold(Dropped::default(), |sum, block| Dropped {
             retired: sum.retired + block.retired,
             removed: sum.removed + block.removed,
@@ -110,7 +132,12 @@ impl Sorter {
     }
 
     /// Keys, and a histogram for each block of particles.
-    fn count(&mut self, workers: &Workers, rule: &KeyRule, particles: &Particles) -> Vec<Dropped> {
+    fn count<const PERIODIC: bool>(
+        &mut self,
+        workers: &Workers,
+        rule: &KeyRule,
+        particles: &Particles,
+    ) -> Vec<Dropped> {
         let blocks = workers.threads().min(16);
         let size = particles.len.div_ceil(blocks).max(1);
         self.keys.resize(particles.len, 0);
@@ -129,7 +156,7 @@ impl Sorter {
                 let i = first + offset;
                 let position = [particles.position[0][i], particles.position[1][i], particles.position[2][i]];
                 let velocity = [particles.velocity[0][i], particles.velocity[1][i], particles.velocity[2][i]];
-                *key = rule.key(position, velocity, particles.life[i], &mut dropped);
+                *key = rule.key::<PERIODIC>(position, velocity, particles.life[i], &mut dropped);
                 histogram[*key as usize] += 1;
             }
             dropped

@@ -49,6 +49,8 @@ pub enum Binding {
     CellStarts,
     /// Wall samples, then body samples, each sorted: position and volume.
     Samples,
+    /// Velocities of wall samples.
+    WallVelocities,
     /// [`BodyRecord`](records::BodyRecord).
     Bodies,
     /// [`BodyInputRecord`](records::BodyInputRecord), a ring.
@@ -65,7 +67,7 @@ pub enum Binding {
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 22] = [
+    pub const ALL: [Binding; 23] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -82,6 +84,7 @@ impl Binding {
         Binding::CellCounts,
         Binding::CellStarts,
         Binding::Samples,
+        Binding::WallVelocities,
         Binding::Bodies,
         Binding::BodyInputs,
         Binding::BodySamples,
@@ -119,6 +122,7 @@ impl Binding {
             Binding::CellCounts => "cell_counts",
             Binding::CellStarts => "cell_starts",
             Binding::Samples => "samples",
+            Binding::WallVelocities => "wall_velocities",
             Binding::Bodies => "bodies",
             Binding::BodyInputs => "body_inputs",
             Binding::BodySamples => "body_samples",
@@ -158,7 +162,7 @@ impl Binding {
             Binding::SortedLives => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
-            Binding::Samples => "array<vec4<f32>>",
+            Binding::Samples | Binding::WallVelocities => "array<vec4<f32>>",
             Binding::CellCounts => "array<atomic<u32>>",
             Binding::Bodies => "array<BodyRecord>",
             Binding::BodyInputs => "array<BodyInputRecord>",
@@ -214,6 +218,7 @@ fn sample_weight(k: u32) -> f32 { return abs(samples[k].w); }
 fn sample_viscous_weight(k: u32) -> f32 { return max(-samples[k].w, 0.0); }
 "
             }
+            Binding::WallVelocities => "fn wall_velocity(k: u32) -> vec3<f32> { return wall_velocities[k].xyz; }\n",
             Binding::Bodies => {
                 "fn body_position(i: u32) -> vec3<f32> { return bodies[i].position; }
 fn body_rotation(i: u32) -> vec4<f32> { return bodies[i].rotation; }

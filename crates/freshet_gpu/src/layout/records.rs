@@ -21,6 +21,30 @@ wgsl_struct! {
         squared_support_radius: f32,
         /// One over the edge lengths of a cell, 1/m.
         inverse_cell_size: Vec3,
+        /// Depth of wall samples behind their face, m.
+        wall_depth: f32,
+        /// Lower corner of cell zero, m.
+        grid_origin: Vec3,
+        /// Nearest a particle is taken to be to a face it sticks to, m.
+        nearest_wall: f32,
+        /// Cells in a support radius along each axis.
+        cells_per_radius: Vec3,
+        /// 2 mu G / G', Pa s: Morris' viscosity between particles.
+        pair_viscosity: f32,
+        /// Length of each period, m; zero for none.
+        period: Vec3,
+        /// mu, Pa s: between particles and walls.
+        wall_viscosity: f32,
+        /// One over it, 1/m; zero for none.
+        inverse_period: Vec3,
+        /// Unused.
+        pad_period: u32,
+        /// Lower ends of the periods, m.
+        period_low: Vec3,
+        /// Unused.
+        pad_low: u32,
+        /// Upper ends of the periods, m.
+        period_high: Vec3,
         /// Binary logarithm of the number of cells along x.
         log_cells_x: u32,
         /// The same along x and y together.

@@ -30,7 +30,15 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
     let p = &plan.parameters;
     let kernel: Kernel = p.kernel().unwrap();
     let (mass, rest) = (f64::from(p.particle_mass), f64::from(p.rest_density));
-    let distance = |a: Vec3, b: Vec3| a.as_dvec3().distance(b.as_dvec3());
+    let period = plan.grid.periodic.lengths().as_dvec3();
+    let difference = |a: Vec3, b: Vec3| {
+        let mut x = a.as_dvec3() - b.as_dvec3();
+        for axis in (0..3).filter(|&axis| period[axis] > 0.0) {
+            x[axis] -= period[axis] * (x[axis] / period[axis]).round();
+        }
+        x
+    };
+    let distance = |a: Vec3, b: Vec3| difference(a, b).length();
     let states: Vec<(f64, f64)> = positions
         .iter()
         .map(|&a| {
@@ -48,29 +56,59 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
         let mu = h * v.dot(x) / (x.length_squared() + 0.01 * h * h);
         -alpha * sound * mu / mean_density
     };
+    let viscosity = f64::from(p.dynamic_viscosity);
+    // Morris, Fox & Zhu 1997, eq. 22.
+    let morris = |x: DVec3, v: DVec3, densities: f64| {
+        let regular = x.length_squared() / (x.length_squared() + 0.01 * h * h);
+        2.0 * viscosity / densities * kernel.derivative_over_r(x.length()) * regular * v
+    };
     (0..positions.len())
         .map(|a| {
             let (density, pressure) = states[a];
             let term = pressure / (density * density);
             let (mut sum, mut magnitude) = (DVec3::ZERO, p.gravity.as_dvec3().length());
+            let (mut resisted, mut friction) = (DVec3::ZERO, 0.0);
             let mut add = |factor: f64, x: DVec3| {
                 let part = -factor * kernel.derivative_over_r(x.length()) * x / calibration;
                 sum += part;
                 magnitude += part.length();
             };
             for b in (0..positions.len()).filter(|&b| b != a) {
-                let x = positions[a].as_dvec3() - positions[b].as_dvec3();
+                let x = difference(positions[a], positions[b]);
                 let v = velocities[a].as_dvec3() - velocities[b].as_dvec3();
                 let (other_density, other_pressure) = states[b];
                 let viscous = pi(x, v, 0.5 * (density + other_density));
                 add(mass * (term + other_pressure / (other_density * other_density) + viscous), x);
+                if viscosity > 0.0 {
+                    let part = mass * morris(x, v, density * other_density) / f64::from(p.viscous_calibration);
+                    resisted += part;
+                    friction += part.length();
+                }
             }
-            for &(b, volume, viscous) in samples {
-                let x = positions[a].as_dvec3() - b.as_dvec3();
-                let drag = if viscous { pi(x, velocities[a].as_dvec3(), density) } else { 0.0 };
+            // Of viscous faces: how many there are around, where, and how they move.
+            let (mut strength, mut slope, mut moved) = (0.0, DVec3::ZERO, DVec3::ZERO);
+            for (k, &(b, volume, viscous)) in samples.iter().enumerate() {
+                let x = difference(positions[a], b);
+                let dragged = viscous && viscosity == 0.0;
+                let drag = if dragged { pi(x, velocities[a].as_dvec3(), density) } else { 0.0 };
                 add(rest * f64::from(volume) * (term + drag), x);
+                if viscous {
+                    let weight = -f64::from(volume) * kernel.derivative_over_r(x.length());
+                    strength += weight;
+                    slope += weight * x;
+                    moved += weight * plan.boundary.velocities.get(k).map_or(DVec3::ZERO, |v| v.as_dvec3());
+                }
             }
-            Expected { density, pressure, acceleration: p.gravity.as_dvec3() + sum, magnitude }
+            if viscosity > 0.0 && strength > 0.0 {
+                let depth = f64::from(p.boundary_depth);
+                let from_face = (slope.length() / strength - depth).max(0.25 * f64::from(p.spacing));
+                let rate = viscosity * rest / (density * density * calibration) * slope.length() / from_face;
+                let part = rate * (moved / strength - velocities[a].as_dvec3());
+                resisted += part;
+                friction += part.length();
+            }
+            let acceleration = p.gravity.as_dvec3() + sum + resisted;
+            Expected { density, pressure, acceleration, magnitude: magnitude + friction }
         })
         .collect()
 }

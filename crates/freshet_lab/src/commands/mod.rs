@@ -10,6 +10,7 @@ pub mod column;
 pub mod dam_break;
 pub mod float;
 pub mod peers;
+pub mod validate;
 
 /// What the laboratory can do.
 #[derive(Subcommand, Debug)]
@@ -20,6 +21,8 @@ pub enum Command {
     Column(column::ColumnArgs),
     /// A rapier ball of half the density of water: draft, heave, momentum ledger, at several latencies.
     Float(float::FloatArgs),
+    /// Every case of the registry against exact solutions and measurements, at three resolutions.
+    Validate(validate::ValidateArgs),
     /// Speed: nanoseconds per particle and step in the benchmark tank, per pass and per number of threads.
     Bench(bench::BenchArgs),
     /// Freshet, salva3d and SPlisHSPlasH in the benchmark tank, in turn in one run.
@@ -33,6 +36,7 @@ impl Command {
             Command::DamBreak(args) => dam_break::run(args),
             Command::Column(args) => column::run(args),
             Command::Float(args) => float::run(args),
+            Command::Validate(args) => validate::run(args),
             Command::Bench(args) => bench::run(args),
             Command::Peers(args) => peers::run(args),
         }

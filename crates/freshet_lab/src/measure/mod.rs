@@ -7,4 +7,5 @@ pub mod crowding;
 pub mod curve;
 pub mod front;
 pub mod reference_error;
+pub mod spacing;
 pub mod statistics;

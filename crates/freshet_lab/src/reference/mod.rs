@@ -1,6 +1,9 @@
 //! Measured and exact references, one file a paper.
 
+pub mod couette;
 pub mod dam_break;
 pub mod hydrostatics;
 pub mod lobovsky_2014;
 pub mod martin_moyce_1952;
+pub mod poiseuille;
+pub mod taylor_green;

@@ -1,0 +1,42 @@
+//! Cases that are commands of their own: they write their own files and print their own tables.
+
+use super::super::registry::{Case, Findings, Job};
+use crate::commands::column::{self, ColumnArgs};
+use crate::commands::dam_break::{self, DamBreakArgs};
+use crate::commands::float::{self, FloatArgs};
+use crate::error::LabError;
+use crate::verdict::Verdict;
+
+/// See [`column`].
+pub const COLUMN: Case = Case {
+    name: "column",
+    about: "water at rest, 0.25 x 0.25 x 0.5 m: pressure, load, level and speed against hydrostatics",
+    run: |job: &Job| {
+        let (common, threads) = (job.options(), job.threads);
+        found(column::run(&ColumnArgs { common, threads, seconds: None }))
+    },
+};
+
+/// See [`dam_break`].
+pub const DAM_BREAK: Case = Case {
+    name: "dam-break",
+    about: "front of a collapsing column against Martin & Moyce 1952 (n^2 = 1, 2) and Lobovsky et al. 2014",
+    run: |job: &Job| {
+        let (common, threads) = (job.options(), job.threads);
+        found(dam_break::run(&DamBreakArgs { common, threads, resolutions: Vec::new() }))
+    },
+};
+
+/// See [`float`].
+pub const FLOAT: Case = Case {
+    name: "float",
+    about: "rapier ball of half the density of water: draft against Archimedes, heave, momentum ledger",
+    run: |job: &Job| {
+        let (common, threads) = (job.options(), job.threads);
+        found(float::run(&FloatArgs { common, threads, sizes: Vec::new(), latency: Vec::new(), seconds: None }))
+    },
+};
+
+fn found(verdict: Result<Verdict, LabError>) -> Result<Findings, LabError> {
+    Ok(Findings { levels: Vec::new(), verdict: verdict? })
+}

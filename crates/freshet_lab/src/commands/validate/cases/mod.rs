@@ -1,0 +1,10 @@
+//! The cases, one file each; those that are commands of their own are in [`commands`].
+
+mod channel;
+pub mod commands;
+pub mod couette;
+pub mod free_flight;
+pub mod poiseuille;
+pub mod pool_drop;
+pub mod relaxing_cube;
+pub mod taylor_green;

@@ -1,0 +1,90 @@
+//! `validate`: every case of the registry against its reference.
+
+pub mod cases;
+mod registry;
+mod study;
+
+use clap::Args;
+
+pub use registry::{CASES, Case, Findings, Job};
+pub use study::{Level, Study, Trace, order};
+
+use crate::error::LabError;
+use crate::options::{BackendChoice, CommonOptions, ThreadOption};
+use crate::output::{Output, say};
+use crate::table::Table;
+use crate::verdict::Verdict;
+
+/// Simulations against exact solutions and measurements, each at three resolutions, with the observed order of convergence.
+///
+/// Every case has a bound on its error at the finest resolution; what is smooth also has to get better: its error at the finest
+/// over that at the coarsest is at most 0.6. Writes NAME.csv and NAME.svg for each case. What a backend cannot do is named and
+/// left out.
+#[derive(Args, Clone, Debug)]
+pub struct ValidateArgs {
+    /// Options every command has. The GPU runs the coarsest resolution only.
+    #[command(flatten)]
+    pub common: CommonOptions,
+    /// Threads of the CPU solver.
+    #[command(flatten)]
+    pub threads: ThreadOption,
+    /// Cases to run [default: all].
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    pub case: Vec<String>,
+    /// Names the cases and ends.
+    #[arg(long)]
+    pub list: bool,
+}
+
+impl ValidateArgs {
+    /// The cases asked for.
+    pub fn cases(&self) -> Result<Vec<&'static Case>, LabError> {
+        if self.case.is_empty() {
+            return Ok(CASES.to_vec());
+        }
+        let find = |name: &String| {
+            CASES.into_iter().find(|case| case.name == name).ok_or_else(|| {
+                let names: Vec<&str> = CASES.iter().map(|case| case.name).collect();
+                let reason = format!("{name} is not allowed; allowed: {}", names.join(", "));
+                LabError::Argument { argument: "--case", reason }
+            })
+        };
+        self.case.iter().map(find).collect()
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &ValidateArgs) -> Result<Verdict, LabError> {
+    let cases = args.cases()?;
+    if args.list {
+        let mut table = Table::new(["case", "what it is"]);
+        for case in cases {
+            table.row([case.name, case.about]);
+        }
+        say(table);
+        return Ok(Verdict::default());
+    }
+    let output = Output::new(&args.common.out)?;
+    let (mut levels, mut verdict, mut left_out) = (Vec::new(), Verdict::default(), Vec::new());
+    for &backend in args.common.backends(BackendChoice::Cpu) {
+        let job = Job { backend, quick: args.common.quick, threads: args.threads, output: output.clone() };
+        for case in &cases {
+            match (case.run)(&job) {
+                Ok(found) => {
+                    levels.extend(found.levels.into_iter().map(|level| (case.name, backend, level)));
+                    verdict.checks.extend(found.verdict.checks);
+                }
+                Err(LabError::Solver(error @ freshet_core::solver::SolverError::Unsupported { .. })) => {
+                    left_out.push(format!("{} is left out: {error}", case.name));
+                }
+                Err(error) => return Err(error),
+            }
+        }
+    }
+    say(study::table(&levels));
+    for line in left_out {
+        say(line);
+    }
+    say(format_args!("written: one CSV and one SVG a case in {}", args.common.out.display()));
+    Ok(verdict)
+}

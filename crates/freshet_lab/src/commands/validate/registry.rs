@@ -1,0 +1,78 @@
+//! The cases `validate` knows.
+
+use super::cases;
+use super::study::Level;
+use crate::backend::Backend;
+use crate::error::LabError;
+use crate::options::{BackendChoice, CommonOptions, ThreadOption};
+use crate::output::Output;
+use crate::verdict::Verdict;
+
+/// How a case is to be run.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// Where.
+    pub backend: Backend,
+    /// Coarser or shorter.
+    pub quick: bool,
+    /// Threads of the CPU solver.
+    pub threads: ThreadOption,
+    /// Where the files go.
+    pub output: Output,
+}
+
+impl Job {
+    /// The same as options of a command.
+    pub fn options(&self) -> CommonOptions {
+        let backend = match self.backend {
+            Backend::Cpu => BackendChoice::Cpu,
+            Backend::Gpu => BackendChoice::Gpu,
+        };
+        CommonOptions { quick: self.quick, backend: Some(backend), out: self.output.path("") }
+    }
+}
+
+/// What a case found.
+#[derive(Clone, Debug, Default)]
+pub struct Findings {
+    /// Its resolutions, the coarsest first; none for commands, which print their own tables.
+    pub levels: Vec<Level>,
+    /// Its bounds.
+    pub verdict: Verdict,
+}
+
+/// A case.
+pub struct Case {
+    /// Name on the command line and of its files.
+    pub name: &'static str,
+    /// Geometry, reference and source in a line.
+    pub about: &'static str,
+    /// Runs it.
+    pub run: fn(&Job) -> Result<Findings, LabError>,
+}
+
+/// All cases.
+pub const CASES: [&Case; 9] = [
+    &cases::free_flight::CASE,
+    &cases::relaxing_cube::CASE,
+    &cases::pool_drop::CASE,
+    &cases::poiseuille::CASE,
+    &cases::couette::CASE,
+    &cases::taylor_green::CASE,
+    &cases::commands::COLUMN,
+    &cases::commands::FLOAT,
+    &cases::commands::DAM_BREAK,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_every_case_says_what_it_is() {
+        for (index, case) in CASES.iter().enumerate() {
+            assert!(CASES[..index].iter().all(|other| other.name != case.name), "{}", case.name);
+            assert!(case.about.len() > 30, "{}", case.name);
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! Cases of `validate` in their quick form, with their own bounds: those that keep them.
+
+use freshet_lab::backend::Backend;
+use freshet_lab::commands::validate::{CASES, Job};
+use freshet_lab::error::LabError;
+use freshet_lab::output::Output;
+
+fn assert_passes(name: &str, backend: Backend) -> Result<(), LabError> {
+    let folder = std::env::temp_dir().join(format!("freshet_lab_validate_{name}_{backend}_{}", std::process::id()));
+    let output = Output::new(&folder)?;
+    let job = Job { backend, quick: true, threads: Default::default(), output };
+    let case = CASES.iter().find(|case| case.name == name).unwrap_or_else(|| panic!("no case {name}"));
+    let found = (case.run)(&job)?;
+    println!("{}", found.verdict);
+    assert!(found.verdict.passes() && !found.verdict.checks.is_empty(), "\n{}", found.verdict);
+    for file in ["csv", "svg"] {
+        let path = job.output.path(&format!("{name}.{file}"));
+        assert!(std::fs::read_to_string(&path).map_err(LabError::file(&path))?.len() > 1000, "{}", path.display());
+    }
+    std::fs::remove_dir_all(&folder).map_err(LabError::file(&folder))
+}
+
+#[test]
+fn a_thrown_block_keeps_its_momentum() -> Result<(), LabError> {
+    assert_passes("free-flight", Backend::Cpu)?;
+    assert_passes("free-flight", Backend::Gpu)
+}
+
+#[test]
+fn flow_under_a_force_becomes_a_parabola() -> Result<(), LabError> {
+    assert_passes("poiseuille", Backend::Cpu)?;
+    assert_passes("poiseuille", Backend::Gpu)
+}
+
+#[test]
+fn a_plate_drags_a_fluid_along() -> Result<(), LabError> {
+    assert_passes("couette", Backend::Cpu)?;
+    assert_passes("couette", Backend::Gpu)
+}
