@@ -7,6 +7,8 @@
 # shorter one and comes first, so a lint error shows before the long build. A second run recompiles only what changed.
 # `cargo test` also builds the examples, so the last step should compile nothing: all commands see the same packages
 # (`default-members` lists the workspace) and so the same features and the same one build of wgpu.
+# The test binaries run two at a time, where `cargo test` runs one after the other: the last test of each is one thread that
+# leaves the other cores idle. Every binary that cargo builds is run; only the order is said here.
 # Therefore no `-p`, no `--release`, no `--features` and no RUSTFLAGS here: each would build wgpu and Bevy once more.
 set -euo pipefail
 
@@ -189,13 +191,45 @@ cargo fmt --all --check
 step 'cargo clippy --workspace --all-targets -- -D warnings'
 cargo clippy --workspace --all-targets -- -D warnings
 
-step 'cargo test --workspace'
-cargo test --workspace
+step 'cargo test --workspace --no-run'
+cargo test --workspace --no-run
+
+# Lines of a package's folder, a tab, and a test binary of it; those that take longest first, so that they end with the others.
+test_binaries() {
+    cargo test --workspace --no-run --quiet --message-format=json |
+        sed -n '/"test":true},"features"/s/.*"manifest_path":"\([^"]*\)\/Cargo.toml".*"executable":"\([^"]*\)".*/\1'$'\t''\2/p' |
+        awk '{ print /\/column-[^\/]*$/ ? 0 : /\/float-[^\/]*$/ ? 1 : /\/it-[^\/]*$/ ? 2 : 3, $0 }' | sort -s -n -k1,1 | cut -d ' ' -f 2-
+}
+
+# What it says is shown in one piece, and only if it fails.
+run_tests() {
+    local folder=${1%%$'\t'*} binary=${1#*$'\t'} log begin=$SECONDS
+    log="$scratch/$(basename "$binary").log"
+    if (cd "$folder" && CARGO_MANIFEST_DIR="$folder" "$binary") >"$log" 2>&1; then
+        printf '%5d s  %-28s %s\n' $((SECONDS - begin)) "$(basename "${binary%-*}")" "$(grep '^test result' "$log")"
+    else
+        cat "$log"
+        printf 'FAILED: %s\n' "$binary"
+        return 1
+    fi
+}
+export -f run_tests
+export scratch
+
+step 'tests'
+test_binaries >"$scratch/binaries"
+[[ -s $scratch/binaries ]] || fail 'cargo names no test binaries'
+# Mesa's software driver: in the calling thread. Its own threads are of use to nobody while tests run side by side.
+tr '\n' '\0' <"$scratch/binaries" | LP_NUM_THREADS=0 xargs -0 -n 1 -P 2 bash -c 'run_tests "$1"' run_tests ||
+    fail 'a test failed, see above'
+
+step 'cargo test --workspace --doc'
+cargo test --workspace --doc
 
 step 'cargo run --example dam_break (headless)'
 out="$scratch/dam_break"
 mkdir "$out"
-cargo run --example dam_break -- --headless --particles 2000 --seconds 0.3 --out "$out"
+cargo run --example dam_break -- --headless --particles 8000 --seconds 0.5 --pictures 4 --out "$out"
 
 is_picture() {
     local size signature

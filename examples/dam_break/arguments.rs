@@ -57,14 +57,6 @@ impl Arguments {
         })
     }
 
-    /// Whether a window can be opened and is wanted.
-    pub fn wants_window(&self) -> bool {
-        let is_set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-        // Bevy is built for X11, which Wayland offers beside its own.
-        let has_display = !cfg!(target_os = "linux") || is_set("DISPLAY");
-        has_display && !self.headless
-    }
-
     /// Makes the folder for what is written; the error is one line.
     pub fn make_folder(&self) -> Result<(), String> {
         std::fs::create_dir_all(&self.out).map_err(|error| format!("--out {}: {error}", self.out.display()))

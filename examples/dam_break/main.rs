@@ -20,6 +20,7 @@ mod window;
 use std::process::ExitCode;
 
 use arguments::Arguments;
+use bevy::app::App;
 use scene::Setup;
 
 fn main() -> ExitCode {
@@ -31,19 +32,21 @@ fn main() -> ExitCode {
         Ok(setup) => setup,
         Err(message) => return arguments::refuse(&message),
     };
-    let wants_window = arguments.wants_window();
-    if !wants_window && let Err(message) = arguments.make_folder() {
+    let window = if arguments.headless { None } else { open_window(&arguments) };
+    if window.is_none()
+        && let Err(message) = arguments.make_folder()
+    {
         return arguments::refuse(&message);
     }
     // Bevy's renderer gives up the whole app if there is none.
     let adapter = freshet_gpu::open_device(freshet_gpu::DeviceRequest::default());
-    let result = match adapter {
-        Err(error) => {
+    let result = match (adapter, window) {
+        (Err(error), _) => {
             eprintln!("no GPU adapter, so no pictures: {error}");
             cpu_only::run(&arguments, &setup)
         }
-        Ok(_) if wants_window => window::run(&arguments, setup),
-        Ok(_) => headless::run(&arguments, setup),
+        (Ok(_), Some(app)) => window::run(app, &arguments, setup),
+        (Ok(_), None) => headless::run(&arguments, setup),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -52,4 +55,13 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// An app that can open windows, or a line that says why there are pictures instead.
+fn open_window(arguments: &Arguments) -> Option<App> {
+    let opened = window::open();
+    if let Err(reason) = &opened {
+        eprintln!("no display, so pictures in {}: {reason}", arguments.out.display());
+    }
+    opened.ok()
 }

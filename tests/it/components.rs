@@ -187,3 +187,42 @@ fn two_domains_live_side_by_side_and_a_new_one_starts_from_all_volumes() {
     assert_eq!(test.settle(third).particles, WATER);
     test.expect_no_complaints();
 }
+
+#[test]
+fn fluid_poured_into_fluid_fills_what_is_free() {
+    for choice in ALL {
+        let mut test = TestApp::new();
+        let tank = Tank::spawn(&mut test, choice);
+        test.tick(2);
+        test.expect_no_complaints();
+        // 5 x 8 x 5 particles, the lower half of which are where the water is.
+        let more = test.spawn((
+            FluidVolume::from(Cuboid::new(0.5, 0.8, 0.5)),
+            Transform::from_xyz(0.25, 0.4, 0.25),
+            FluidInDomain(tank.domain),
+        ));
+        test.tick(1);
+        let complaints = test.complaints();
+        assert_eq!(complaints.len(), 1, "{choice:?}: {complaints:?}");
+        assert_eq!((complaints[0].entity, complaints[0].component), (more, "FluidVolume"), "{choice:?}");
+        let message = &complaints[0].message;
+        assert!(message.contains("of 200 particles are left out"), "{choice:?}: {message}");
+        let left_out: u32 = message.split(' ').next().and_then(|count| count.parse().ok()).expect("a count");
+        // In three ticks the water has fallen by a tenth of a spacing, so that some of the fifth layer may have room.
+        assert!((75..=125).contains(&left_out), "{choice:?}: {message}");
+        let stats = test.settle(tank.domain);
+        assert_eq!(stats.particles, WATER + 200 - left_out, "{choice:?}");
+        assert!(stats.max_speed < 3.0, "{choice:?}: nothing was blown apart, {stats:?}");
+        test.despawn(more);
+        assert_eq!(test.settle(tank.domain).particles, WATER, "{choice:?}");
+        // Where fluid leaves in the same tick there is room.
+        test.despawn(tank.water);
+        test.spawn((
+            FluidVolume::from(Cuboid::new(0.5, 0.4, 0.5)),
+            Transform::from_xyz(0.25, 0.2, 0.25),
+            FluidInDomain(tank.domain),
+        ));
+        assert_eq!(test.settle(tank.domain).particles, WATER, "{choice:?}");
+        test.expect_no_complaints();
+    }
+}

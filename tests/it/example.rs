@@ -5,13 +5,18 @@ use std::process::{Command, Output};
 
 /// The example, which `cargo test` builds beside the tests.
 fn dam_break(arguments: &[&str]) -> Output {
+    dam_break_in(&[], arguments)
+}
+
+/// The same with some variables of its environment set.
+fn dam_break_in(variables: &[(&str, &str)], arguments: &[&str]) -> Output {
     let mut folder = std::env::current_exe().expect("a test has a path");
     // target/debug/deps/it-... -> target/debug/examples
     folder.pop();
     folder.pop();
     let program: PathBuf = folder.join("examples").join(format!("dam_break{}", std::env::consts::EXE_SUFFIX));
     let mut command = Command::new(&program);
-    command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR"));
+    command.args(arguments).envs(variables.iter().copied()).current_dir(env!("CARGO_MANIFEST_DIR"));
     command.output().unwrap_or_else(|error| panic!("{}: {error}", program.display()))
 }
 
@@ -104,5 +109,55 @@ fn a_missing_picture_is_one_line_and_exit_code_1() {
     assert_eq!(output.status.code(), Some(1), "{said}");
     let last = said.lines().last().unwrap_or_default();
     assert!(last.starts_with("error: ") && last.contains("frame_0001.png"), "{said}");
+    std::fs::remove_dir_all(&folder).expect("the temporary folder");
+}
+
+/// An empty folder, and the arguments of a short run that writes to it.
+fn short_run(name: &str) -> (PathBuf, [String; 8]) {
+    let folder = std::env::temp_dir().join(format!("freshet_{name}_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a temporary folder");
+    let out = folder.display().to_string();
+    let arguments = ["--particles", "300", "--seconds", "0.05", "--backend", "cpu", "--out", &out];
+    let arguments = arguments.map(str::to_owned);
+    (folder, arguments)
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_display_that_cannot_be_reached_is_one_line_and_pictures() {
+    let (folder, arguments) = short_run("unreachable");
+    let output =
+        dam_break_in(&[("DISPLAY", ":9753"), ("WAYLAND_DISPLAY", "")], &arguments.each_ref().map(String::as_str));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let lines: Vec<_> = said.lines().filter(|line| line.contains("no display, so pictures in ")).collect();
+    assert_eq!(lines.len(), 1, "{said}");
+    assert!(lines[0].contains(&arguments[7]) && !said.contains("panicked"), "{said}");
+    assert!(folder.join("frame_0000.png").is_file() && folder.join("summary.json").is_file(), "{said}");
+    std::fs::remove_dir_all(&folder).expect("the temporary folder");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn without_an_adapter_there_is_a_summary_and_a_plot_or_exit_code_1() {
+    let none =
+        [("VK_DRIVER_FILES", "/dev/null"), ("VK_ICD_FILENAMES", "/dev/null"), ("DISPLAY", ""), ("WAYLAND_DISPLAY", "")];
+    let (folder, arguments) = short_run("no_adapter");
+    let arguments = arguments.each_ref().map(String::as_str);
+    let output = dam_break_in(&none, &arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("no GPU adapter, so no pictures"), "{said}");
+    for file in ["summary.txt", "summary.json", "front.svg"] {
+        assert!(folder.join(file).is_file(), "{file}: {said}");
+    }
+    // A summary cannot be written where there is a folder of its name.
+    std::fs::remove_file(folder.join("summary.txt")).expect("the summary");
+    std::fs::create_dir(folder.join("summary.txt")).expect("a folder");
+    let output = dam_break_in(&none, &arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let last = said.lines().last().unwrap_or_default();
+    assert!(last.starts_with("error: ") && last.contains("summary.txt"), "{said}");
     std::fs::remove_dir_all(&folder).expect("the temporary folder");
 }

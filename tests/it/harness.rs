@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use bevy::app::PluginsState;
+use bevy::app::{PluginsState, TaskPoolOptions};
 use bevy::camera::RenderTarget;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
@@ -62,6 +62,8 @@ impl TestApp {
             DefaultPlugins
                 .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
                 .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
+                // All apps of this process share them. One that waits for its fluid in a system must not hold up the others.
+                .set(TaskPoolPlugin { task_pool_options: TaskPoolOptions::with_num_threads(8) })
                 .disable::<LogPlugin>()
                 .disable::<WinitPlugin>()
                 .disable::<PipelinedRenderingPlugin>(),
@@ -93,6 +95,11 @@ impl TestApp {
     /// The world.
     pub fn world(&mut self) -> &mut World {
         self.app.world_mut()
+    }
+
+    /// The renderer's world.
+    pub fn render_world(&self) -> &World {
+        self.app.sub_app(RenderApp).world()
     }
 
     /// Spawns.

@@ -6,4 +6,6 @@ mod emitters;
 mod example;
 mod golden;
 mod harness;
+mod lost_device;
+mod order;
 mod problems;

@@ -1,4 +1,6 @@
 //! The column at rest with the command's own bounds, on both backends.
+//!
+//! Tests run side by side, so that each solver has one thread; what it finds does not depend on that.
 
 use freshet_lab::backend::Backend;
 use freshet_lab::commands::column::{simulate, verdict};
@@ -7,7 +9,7 @@ use freshet_lab::progress::Progress;
 use freshet_lab::scenes::column::Container;
 
 fn assert_at_rest(backend: Backend, container: Container, seconds: f64) -> Result<(), LabError> {
-    let verdict = verdict(&[simulate(backend, container, seconds, None, &mut Progress::hidden())?]);
+    let verdict = verdict(&[simulate(backend, container, seconds, Some(1), &mut Progress::hidden())?]);
     println!("{verdict}");
     assert!(verdict.passes(), "\n{verdict}");
     Ok(())

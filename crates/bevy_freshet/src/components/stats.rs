@@ -10,6 +10,9 @@ use super::domain::FluidBackend;
 pub struct FluidStats {
     /// What simulates; [`FluidBackend::Auto`] as long as nothing does.
     pub backend: FluidBackend,
+    /// Why nothing is simulated any more, such as a lost device; none as long as it goes on. The particles are lost: it starts
+    /// again from its volumes when a setting changes.
+    pub stopped: Option<String>,
     /// Ticks known, or zero: the number of the next tick after the one described here.
     pub ticks: u64,
     /// Ticks asked for and not known yet, 0 to 3.

@@ -7,8 +7,9 @@ use super::material::Fluid;
 /// Fills a shape with fluid, once, at the first fixed tick after it was spawned.
 ///
 /// [`Transform`] is the shape's centre and orientation; its scale must be 1. Later changes do nothing; despawning the
-/// entity (or removing this component) removes the particles. Volumes that overlap each other are refused; one spawned later
-/// where fluid has flowed to in the meantime is not, and the two push each other apart violently.
+/// entity (or removing this component) removes the particles. Volumes that overlap each other are refused. Of one spawned
+/// later, particles less than half a spacing from fluid that is there are left out, and a
+/// [`FluidProblem`](super::problem::FluidProblem) says how many; to see what is there, that tick waits for the fluid.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, PartialEq)]
 #[require(Transform, Fluid)]

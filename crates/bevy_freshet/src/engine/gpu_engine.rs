@@ -2,6 +2,7 @@
 //! which drives it without waiting ([`crate::gpu`]).
 
 use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -20,6 +21,9 @@ use super::{Order, Outcome};
 /// the renderer has stopped.
 const PATIENCE: Duration = Duration::from_secs(10);
 
+/// How long the report of finished work may take to be called in by another thread.
+const MOST_UNSAID: Duration = Duration::from_secs(1);
+
 /// What particles are drawn from.
 pub(crate) struct DrawBuffers {
     pub(crate) particles: Buffer,
@@ -27,6 +31,11 @@ pub(crate) struct DrawBuffers {
     pub(crate) accelerations: Buffer,
     pub(crate) arguments: Buffer,
     pub(crate) arguments_offset: u64,
+}
+
+/// wgpu panics where a report is read that had arrived before its device was lost.
+fn survive<T>(work: impl FnOnce() -> Result<T, SolverError>) -> Result<T, SolverError> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| Err(SolverError::Device("it was lost".to_owned())))
 }
 
 /// A solver with its orders and outcomes.
@@ -69,18 +78,23 @@ impl Slot {
 
     /// Takes what has arrived.
     fn collect(&mut self, device: &RenderDevice) {
-        let result = self.solver.collect(device.wgpu_device());
+        let result = survive(|| self.solver.collect(device.wgpu_device()));
         self.note(result);
     }
 
     /// Waits for what has been submitted, and takes it.
     fn finish(&mut self, device: &RenderDevice) {
+        let mut waited_since = None;
         while self.solver.ticks_in_flight() > 0 && !self.failed {
             if let Err(error) = device.poll(wgpu::PollType::wait_indefinitely()) {
-                self.fail(SolverError::Device(error.to_string()));
-                return;
+                return self.fail(SolverError::Device(error.to_string()));
             }
             self.collect(device);
+            // All that was submitted is done. Another thread that polls may still be about to say so; a lost device never does.
+            let waited = waited_since.get_or_insert_with(Instant::now).elapsed();
+            if waited > MOST_UNSAID && self.solver.ticks_in_flight() > 0 {
+                return self.fail(SolverError::Device("it does not say that a tick is done".to_owned()));
+            }
         }
     }
 
@@ -96,7 +110,7 @@ impl Slot {
 
     fn step(&mut self, input: &StepInput) {
         let begin = Instant::now();
-        match self.solver.step(input) {
+        match survive(|| self.solver.step(input)) {
             Ok(report) => self.outcomes.push(Outcome::Report(report, begin.elapsed().as_secs_f32() * 1e3)),
             Err(error) => self.fail(error),
         }
@@ -157,9 +171,12 @@ impl SharedGpu {
         slot.collect(device);
     }
 
-    /// The buffers as they are now.
+    /// The buffers as they are now; none of a solver that has failed, whose device may be lost.
     pub(crate) fn draw_buffers(&self) -> Option<DrawBuffers> {
         let slot = self.lock();
+        if slot.failed {
+            return None;
+        }
         let buffers = slot.solver.buffers().ok()?;
         Some(DrawBuffers {
             particles: buffers.particles.clone().into(),

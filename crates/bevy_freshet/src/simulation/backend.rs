@@ -23,6 +23,12 @@ pub(crate) struct Hardware<'w> {
 }
 
 impl Hardware<'_> {
+    /// Whether the machine offers something else than before.
+    pub(crate) fn is_changed(&self) -> bool {
+        self.device.as_ref().is_some_and(|device| device.is_changed())
+            || self.adapter.as_ref().is_some_and(|adapter| adapter.is_changed())
+    }
+
     /// What a wish comes to here: never [`FluidBackend::Auto`].
     pub(crate) fn choose(&self, wish: FluidBackend) -> FluidBackend {
         // A GPU imitated by the CPU is slower than the CPU solver.

@@ -44,8 +44,9 @@ fn absorb(domain: Entity, state: &mut DomainState, stats: &mut FluidStats, outco
         match outcome {
             Outcome::Report(report, milliseconds) => take_report(state, stats, &report, milliseconds),
             Outcome::Failed(error) => {
-                state.problems.push(Problem::new(domain, "FluidDomain", format!("the fluid stopped: {error}")));
+                state.complain(Problem::new(domain, "FluidDomain", format!("the fluid stopped: {error}")));
                 state.stopped = true;
+                stats.stopped = Some(error.to_string());
                 state.sent.clear();
             }
         }

@@ -1,10 +1,11 @@
 //! From components to a plan and a stream of ticks, in the app's fixed schedule.
 //!
-//! `gather` reads the components, `recipe` is what they ask for, `planning` turns it into plans, `orders` into orders,
+//! `changes` notices that components were touched, `gather` reads them, `recipe` is what they ask for, `planning` turns it into plans, `orders` into orders,
 //! `ticking` sends the ticks, `collecting` takes the results.
 
 mod attempt;
 mod backend;
+mod changes;
 pub(crate) mod collecting;
 mod gather;
 mod orders;
@@ -13,6 +14,7 @@ mod pours;
 mod problems;
 mod reading;
 mod recipe;
+mod room;
 pub mod sets;
 pub(crate) mod state;
 pub(crate) mod ticking;
@@ -77,7 +79,7 @@ impl Plugin for FluidSimulationPlugin {
             .add_systems(
                 FixedUpdate,
                 (
-                    planning::plan_domains.in_set(FreshetSystems::Plan),
+                    planning::plan_domains.run_if(changes::is_anything_touched).in_set(FreshetSystems::Plan),
                     collecting::collect_known.in_set(FreshetSystems::Collect),
                     (ticking::send_ticks, reading::read_fields).chain().in_set(FreshetSystems::Step),
                 ),

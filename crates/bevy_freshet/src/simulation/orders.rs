@@ -4,12 +4,13 @@ use bevy::prelude::*;
 use freshet_core::plan::Plan;
 use freshet_core::scene::MAX_PARTICLES;
 use freshet_core::snapshot::Snapshot;
-use freshet_core::step::{Command, NewParticles};
+use freshet_core::step::Command;
 
 use super::backend::Hardware;
 use super::collecting::wait_for_all;
 use super::problems::Problem;
 use super::recipe::Recipe;
+use super::room::Occupied;
 use super::state::DomainState;
 use crate::components::domain::FluidBackend;
 use crate::components::stats::FluidStats;
@@ -47,15 +48,8 @@ pub(crate) fn carry_out(
     } else if is_new && let Some(engine) = &mut state.engine {
         engine.send(Order::Reconfigure(Box::new(bare.clone())));
     }
-    for (fresh, &(first, count)) in recipe.fresh.iter().zip(&plan.volume_ids) {
-        let range = first as usize..(first + count) as usize;
-        state.pours.spawn(state.tick, Some(fresh.entity), count);
-        state.commands.push(Command::Spawn(NewParticles {
-            positions: plan.positions[range.clone()].to_vec(),
-            velocities: plan.velocities[range].to_vec(),
-            lifetime: f32::INFINITY,
-            at: None,
-        }));
+    if !recipe.fresh.is_empty() {
+        pour(domain, &plan, recipe, state, stats);
     }
     if state.gravity != recipe.gravity {
         state.gravity = recipe.gravity;
@@ -63,6 +57,35 @@ pub(crate) fn carry_out(
     }
     stats.capacity = bare.max_particles;
     state.plan = Some(bare);
+}
+
+/// Adds the fluid of a plan to the fluid that is there, where that leaves room.
+fn pour(domain: Entity, plan: &Plan, recipe: &Recipe, state: &mut DomainState, stats: &mut FluidStats) {
+    // What is known of the ticks sent may remove particles.
+    wait_for_all(domain, state, stats);
+    let Some(engine) = &mut state.engine else { return };
+    let occupied = match Occupied::of(engine, &state.commands, plan.parameters.spacing) {
+        Ok(occupied) => occupied,
+        Err(error) => {
+            state.problems.push(Problem::new(domain, "FluidDomain", format!("no fluid can be added: {error}")));
+            return;
+        }
+    };
+    for (fresh, &(first, count)) in recipe.fresh.iter().zip(&plan.volume_ids) {
+        let particles = occupied.rest_of(plan, first as usize..(first + count) as usize);
+        let room = particles.positions.len() as u32;
+        if room < count {
+            let message = format!(
+                "{} of {count} particles are left out: there is fluid at their place; allowed: half a spacing from it",
+                count - room
+            );
+            state.problems.push(Problem::new(fresh.entity, "FluidVolume", message));
+        }
+        if room > 0 {
+            state.pours.spawn(state.tick, Some(fresh.entity), room);
+            state.commands.push(Command::Spawn(particles));
+        }
+    }
 }
 
 /// A plan as it is kept and compared: the particles of its start are with the solver, notes are for the user.
@@ -135,6 +158,7 @@ fn start(
     }
     result
         .map_err(|error| {
+            stats.stopped = Some(error.to_string());
             state.problems.push(Problem::new(domain, "FluidDomain", error));
             state.stopped = true;
         })

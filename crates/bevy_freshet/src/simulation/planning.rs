@@ -16,7 +16,7 @@ use crate::components::domain::{FluidBackend, FluidDomain};
 use crate::components::stats::FluidStats;
 use crate::components::volume::FluidVolume;
 
-/// Brings every domain's plan up to date with its components.
+/// Brings every domain's plan up to date with its components. Runs when something was touched.
 pub(crate) fn plan_domains(
     mut commands: Commands,
     mut domains: Query<(Entity, &FluidDomain, &mut DomainState, &mut FluidStats)>,
@@ -29,6 +29,7 @@ pub(crate) fn plan_domains(
     let count = domains.iter().len();
     let mut current = sources.ambiguous(count);
     for (entity, domain, mut state, mut stats) in &mut domains {
+        state.has_unsaid_problems = false;
         let frame = match sources.frame(entity) {
             Ok(frame) => frame,
             Err(message) => {
@@ -75,6 +76,7 @@ fn replan(
 ) -> Vec<(Entity, bool)> {
     if state.stopped {
         *state = DomainState { frame: state.frame, mode: state.mode, ..default() };
+        stats.stopped = None;
     }
     state.problems.clear();
     if state.recipe.as_ref().is_some_and(|planned| planned.bodies != recipe.bodies) {

@@ -19,10 +19,7 @@ pub(crate) fn read_fields(mut commands: Commands, mut domains: Query<(Entity, &F
         match data {
             Ok(data) => commands.trigger(FluidReadbackComplete { entity, tick, data }),
             Err::<_, freshet_core::solver::SolverError>(error) => {
-                let problem = Problem::new(entity, "FluidReadback", error);
-                if !state.problems.contains(&problem) {
-                    state.problems.push(problem);
-                }
+                state.complain(Problem::new(entity, "FluidReadback", error));
             }
         }
     }

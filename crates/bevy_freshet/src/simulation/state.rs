@@ -63,6 +63,8 @@ pub(crate) struct DomainState {
     pub(crate) recipe: Option<Recipe>,
     /// What was wrong with the recipe.
     pub(crate) problems: Vec<Problem>,
+    /// There are problems that came up outside of planning, which is what says them.
+    pub(crate) has_unsaid_problems: bool,
     /// Why the engine stopped; it is made anew when the recipe changes.
     pub(crate) stopped: bool,
     /// Which particles are whose.
@@ -89,4 +91,14 @@ pub(crate) struct DomainState {
     pub(crate) sent: VecDeque<SentTick>,
     /// Taken by the coupling.
     pub(crate) pushes: Vec<Pushes>,
+}
+
+impl DomainState {
+    /// Notes a problem that came up while running; it is said in the next tick.
+    pub(crate) fn complain(&mut self, problem: Problem) {
+        if !self.problems.contains(&problem) {
+            self.problems.push(problem);
+            self.has_unsaid_problems = true;
+        }
+    }
 }
