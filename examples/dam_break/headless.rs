@@ -131,6 +131,8 @@ fn app(stage: Stage, findings: Findings, trouble: Trouble) -> App {
     .add_plugins(FreshetPlugins::default())
     .insert_resource(Time::<Fixed>::from_hz(f64::from(TICKS_PER_SECOND)))
     .insert_resource(TimeUpdateStrategy::FixedTimesteps(0))
+    // Between two pictures there may be more than the quarter of a second to which Bevy limits an update.
+    .insert_resource(Time::<Virtual>::from_max_delta(Duration::MAX))
     .insert_resource(stage)
     .insert_resource(findings)
     .insert_resource(trouble)

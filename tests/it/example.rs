@@ -78,22 +78,35 @@ fn a_scene_without_end_is_refused_and_so_is_a_folder_that_is_a_file() {
 
 #[test]
 fn headless_simulates_what_was_asked_for_and_ends_with_a_picture() {
-    let folder = std::env::temp_dir().join(format!("freshet_run_{}", std::process::id()));
-    let out = folder.display().to_string();
-    let short =
-        ["--headless", "--particles", "300", "--seconds", "0.3", "--pictures", "10", "--backend", "cpu", "--out"];
-    let output = dam_break(&[short.as_slice(), &[&out]].concat());
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{said}");
-    let summary = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
-    let simulated = summary.lines().find_map(|line| line.trim().strip_prefix("\"simulated_s\": ")).expect("a time");
-    let simulated: f64 = simulated.trim_end_matches(',').parse().expect("a number");
-    assert!((simulated - 0.3).abs() < 1e-3, "{simulated}");
-    // At 0, 0.1, 0.2 and 0.3 s.
-    let pictures = std::fs::read_dir(&folder).expect("the folder").flatten();
-    let pictures = pictures.filter(|file| file.path().extension().is_some_and(|extension| extension == "png")).count();
-    assert_eq!(pictures, 4, "{summary}");
-    std::fs::remove_dir_all(&folder).expect("the temporary folder");
+    // At 0, 0.1, 0.2 and 0.3 s; and at 0 and 0.5 s, in updates longer than Bevy allows by default.
+    for (seconds, rate, expected) in [(0.3, "10", 4), (0.5, "1", 2)] {
+        let folder = std::env::temp_dir().join(format!("freshet_run_{rate}_{}", std::process::id()));
+        let (out, asked) = (folder.display().to_string(), seconds.to_string());
+        let output = dam_break(&[
+            "--headless",
+            "--particles",
+            "300",
+            "--seconds",
+            &asked,
+            "--pictures",
+            rate,
+            "--backend",
+            "cpu",
+            "--out",
+            &out,
+        ]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        let summary = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
+        let simulated = summary.lines().find_map(|line| line.trim().strip_prefix("\"simulated_s\": ")).expect("a time");
+        let simulated: f64 = simulated.trim_end_matches(',').parse().expect("a number");
+        assert!((simulated - seconds).abs() < 1e-3, "{simulated}");
+        let pictures = std::fs::read_dir(&folder).expect("the folder").flatten();
+        let is_picture = |path: PathBuf| path.extension().is_some_and(|extension| extension == "png");
+        let pictures = pictures.filter(|file| is_picture(file.path())).count();
+        assert_eq!(pictures, expected, "{summary}");
+        std::fs::remove_dir_all(&folder).expect("the temporary folder");
+    }
 }
 
 #[test]
