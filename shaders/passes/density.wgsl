@@ -86,9 +86,7 @@ fn density(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
     if (a < fields::control.live) {
         let density = density_of(a);
         fields::set_density(a, density, equation_of_state::pressure_term(density));
-#ifdef PAIR_VELOCITIES
-        fields::set_density_beside_velocity(a, density);
-#endif
+        fields::set_velocity_and_density(a, fields::velocity_before(a), density);
         let ratio = density * fields::parameters.inverse_rest_density;
         atomicMax(&group_ratio, threads::ordered_bits(ratio));
         let compression = clamp(ratio - 1.0, 0.0, 1.0);

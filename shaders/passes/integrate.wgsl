@@ -23,7 +23,7 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
         return;
     }
     let dt = fields::control.substep;
-    let velocity = fields::sorted_velocity(a) + fields::acceleration(a) * dt;
+    let velocity = fields::velocity_and_density(a).xyz + fields::acceleration(a) * dt;
     var position = fields::sorted_position(a) + velocity * dt;
 #ifdef PERIODIC
     position = wrapped(position);

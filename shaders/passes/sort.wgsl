@@ -102,7 +102,7 @@ fn sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
         }
         let velocity = fields::velocity(i);
         fields::set_sorted_position(first + rank, position, id);
-        fields::set_sorted_velocity(first + rank, velocity);
+        fields::set_velocity_before(first + rank, velocity);
         fields::set_sorted_remaining_life(first + rank, fields::remaining_life(i));
         atomicMax(&group_speed, threads::ordered_bits(length(velocity)));
     }

@@ -5,12 +5,13 @@ use freshet_core::solver::{ScheduledBuffer, SolverError};
 use wgpu::BufferUsages as Usage;
 
 use crate::cells::{CellTables, sort_walls};
-use crate::device::check_device;
+use crate::device::{check_device, check_textures};
 use crate::errors::guarded;
 use crate::layout::{
     Binding, BodyInputRecord, BodyRecord, BodySampleRecord, Parameters, SampleLoadRecord, StepControl,
 };
 use crate::memory::{Held, Memory};
+use crate::options::GpuOptions;
 use crate::parameters::parameters;
 use crate::passes::{Arguments, moving_walls};
 
@@ -20,12 +21,35 @@ pub(crate) const TICK_SLOTS: usize = 8;
 /// Distance of the ring's ticks in the buffer of inputs: WebGPU's alignment of dynamic offsets.
 pub(crate) const INPUT_STRIDE: u64 = 256;
 
-/// One buffer of the solver.
+/// One buffer of the solver; a texture in its stead has a texel for every particle.
 struct Need {
     binding: Binding,
     bytes: u64,
     per_particle: bool,
     usage: Usage,
+}
+
+/// One of the solver's bindings and what holds it.
+#[derive(Debug)]
+struct Allocated {
+    binding: Binding,
+    per_particle: bool,
+    store: Store,
+}
+
+#[derive(Debug)]
+enum Store {
+    Buffer(Held<wgpu::Buffer>),
+    Texels(Held<wgpu::TextureView>),
+}
+
+impl Store {
+    fn buffer(&self) -> Option<&wgpu::Buffer> {
+        match self {
+            Store::Buffer(buffer) => Some(buffer),
+            Store::Texels(_) => None,
+        }
+    }
 }
 
 fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
@@ -68,10 +92,11 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     needs
 }
 
-/// The buffers that shaders see.
+/// The buffers that shaders see, and the textures that hold what they read of every neighbour.
 #[derive(Debug)]
 pub(crate) struct Buffers {
-    buffers: Vec<(Binding, bool, Held)>,
+    allocated: Vec<Allocated>,
+    textures: bool,
     memory: Memory,
     /// Particles there is room for.
     pub capacity: u32,
@@ -84,14 +109,12 @@ impl Buffers {
         queue: &wgpu::Queue,
         plan: &Plan,
         capacity: u32,
+        options: &GpuOptions,
         memory: &Memory,
     ) -> Result<Self, SolverError> {
-        let needs = needs(plan, capacity);
-        check_device(device, needs.iter().map(|need| need.bytes).max().unwrap_or(0))?;
-        let buffers = guarded(device, "allocating buffers", || {
-            needs.into_iter().map(|need| (need.binding, need.per_particle, allocate(device, &need, memory))).collect()
-        })?;
-        let buffers = Self { buffers, memory: memory.clone(), capacity };
+        let mut buffers =
+            Self { allocated: Vec::new(), textures: options.textures(), memory: memory.clone(), capacity };
+        buffers.allocated = buffers.allocate(device, needs(plan, capacity), capacity)?;
         buffers.write(queue, Binding::Parameters, &[parameters(plan)]);
         let tables = CellTables::of(plan);
         if !plan.boundary.positions.is_empty() {
@@ -117,35 +140,77 @@ impl Buffers {
         capacity: u32,
     ) -> Result<(), SolverError> {
         let mut needs = needs(plan, capacity);
-        check_device(device, needs.iter().map(|need| need.bytes).max().unwrap_or(0))?;
         needs.retain(|need| need.binding.particle_bytes().is_some());
-        let fresh: Vec<_> = guarded(device, "resizing buffers", || {
-            needs.iter().map(|need| (need.binding, allocate(device, need, &self.memory))).collect()
-        })?;
-        for (binding, buffer) in fresh {
-            let Some((_, _, old)) = self.buffers.iter_mut().find(|entry| entry.0 == binding) else { continue };
-            if matches!(binding, Binding::Particles | Binding::Densities | Binding::Accelerations) {
-                encoder.copy_buffer_to_buffer(old, 0, &buffer, 0, old.size().min(buffer.size()));
+        for fresh in self.allocate(device, needs, capacity)? {
+            let Some(old) = self.allocated.iter_mut().find(|old| old.binding == fresh.binding) else { continue };
+            if matches!(fresh.binding, Binding::Particles | Binding::Densities | Binding::Accelerations)
+                && let (Some(from), Some(to)) = (old.store.buffer(), fresh.store.buffer())
+            {
+                encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
             }
-            *old = buffer;
+            *old = fresh;
         }
         self.capacity = capacity;
         Ok(())
     }
 
-    /// The buffer of a binding; none if the plan does not need it.
+    fn allocate(&self, device: &wgpu::Device, needs: Vec<Need>, capacity: u32) -> Result<Vec<Allocated>, SolverError> {
+        check_device(device, needs.iter().map(|need| need.bytes).max().unwrap_or(0))?;
+        if self.textures {
+            check_textures(device, capacity)?;
+        }
+        let allocate = |need: Need| {
+            let label = format!("freshet:buffer:{}", need.binding.name());
+            let store = if self.textures && need.binding.is_of_neighbours() {
+                Store::Texels(self.memory.allocate_texels(device, &label, capacity))
+            } else {
+                Store::Buffer(self.memory.allocate(
+                    device,
+                    &wgpu::BufferDescriptor {
+                        label: Some(&label),
+                        // wgpu refuses to bind a buffer of no bytes.
+                        size: need.bytes.max(16),
+                        usage: need.usage,
+                        mapped_at_creation: false,
+                    },
+                ))
+            };
+            Allocated { binding: need.binding, per_particle: need.per_particle, store }
+        };
+        guarded(device, "allocating buffers", || needs.into_iter().map(allocate).collect())
+    }
+
+    /// The buffer of a binding; none if the plan does not need it, or if it is a texture.
     pub fn get(&self, binding: Binding) -> Option<&wgpu::Buffer> {
-        self.buffers.iter().find(|entry| entry.0 == binding.memory()).map(|entry| &*entry.2)
+        self.store(binding)?.buffer()
+    }
+
+    /// What a binding is bound to; none if the plan does not need it.
+    pub fn resource(&self, binding: Binding) -> Option<wgpu::BindingResource<'_>> {
+        Some(match self.store(binding)? {
+            Store::Buffer(buffer) => {
+                let size = (binding == Binding::Input).then(|| wgpu::BufferSize::new(INPUT_STRIDE)).flatten();
+                wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+            }
+            Store::Texels(view) => wgpu::BindingResource::TextureView(view),
+        })
+    }
+
+    fn store(&self, binding: Binding) -> Option<&Store> {
+        self.allocated.iter().find(|allocated| allocated.binding == binding.memory()).map(|found| &found.store)
     }
 
     /// As they stand in the schedule: their true sizes.
     pub fn scheduled(&self) -> Vec<ScheduledBuffer> {
-        let buffer = |(binding, per_particle, buffer): &(Binding, bool, Held)| ScheduledBuffer {
-            name: binding.name(),
-            bytes: buffer.size(),
-            per_particle: *per_particle,
+        let buffer = |allocated: &Allocated| ScheduledBuffer {
+            name: allocated.binding.name(),
+            bytes: match &allocated.store {
+                Store::Buffer(buffer) => buffer.bytes(),
+                Store::Texels(view) => view.bytes(),
+            },
+            per_particle: allocated.per_particle,
         };
-        self.buffers.iter().map(buffer).collect()
+        self.allocated.iter().map(buffer).collect()
     }
 
     /// Writes the start of a buffer before the next submit; nothing if the plan does not need it.
@@ -161,17 +226,6 @@ impl Buffers {
             queue.write_buffer(buffer, offset, bytemuck::cast_slice(values));
         }
     }
-}
-
-fn allocate(device: &wgpu::Device, need: &Need, memory: &Memory) -> Held {
-    let about = wgpu::BufferDescriptor {
-        label: Some(&format!("freshet:buffer:{}", need.binding.name())),
-        // wgpu refuses to bind a buffer of no bytes.
-        size: need.bytes.max(16),
-        usage: need.usage,
-        mapped_at_creation: false,
-    };
-    memory.allocate(device, &about)
 }
 
 fn body_records(plan: &Plan) -> (Vec<BodySampleRecord>, Vec<BodyRecord>) {

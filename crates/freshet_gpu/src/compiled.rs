@@ -45,7 +45,7 @@ impl Compiled {
         {
             return Ok(earlier.clone());
         }
-        let compile = |pass| Pipeline::new(device, compose(&pass, &definitions, &options)?, pass);
+        let compile = |pass| Pipeline::new(device, compose(&pass, &definitions, &options)?, pass, &options);
         let substep = substep.into_iter().map(compile).collect::<Result<Vec<_>, _>>()?;
         let begin = begin.into_iter().map(compile).collect::<Result<Vec<_>, _>>()?;
         let commands = CommandPipelines::new(options.workgroup_size, compile)?;

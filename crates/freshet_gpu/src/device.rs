@@ -3,6 +3,7 @@
 use freshet_core::solver::SolverError;
 
 use crate::errors::block_on;
+use crate::layout::TEXTURE_WIDTH;
 
 /// What a device should be able to do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -86,7 +87,6 @@ fn check_limits(needed: &wgpu::Limits, offered: &wgpu::Limits, adapter: &str) ->
 /// Checks that a device can run the solver with buffers of at most `largest` bytes.
 pub(crate) fn check_device(device: &wgpu::Device, largest: u64) -> Result<(), SolverError> {
     let limits = device.limits();
-    let adapter = device.adapter_info().name;
     let needs = [
         ("max_storage_buffer_binding_size", limits.max_storage_buffer_binding_size, largest),
         ("max_buffer_size", limits.max_buffer_size, largest),
@@ -94,10 +94,28 @@ pub(crate) fn check_device(device: &wgpu::Device, largest: u64) -> Result<(), So
         ("max_compute_invocations_per_workgroup", u64::from(limits.max_compute_invocations_per_workgroup), 256),
         ("max_compute_workgroup_storage_size", u64::from(limits.max_compute_workgroup_storage_size), 16384),
     ];
-    for (limit, offered, needed) in needs {
-        if offered < needed {
-            return Err(SolverError::WeakAdapter { adapter, limit: limit.to_owned(), offered, needed });
-        }
+    first_missing(device, &needs)
+}
+
+/// Checks that a device can hold `texels` texels in a texture.
+pub(crate) fn check_textures(device: &wgpu::Device, texels: u32) -> Result<(), SolverError> {
+    let limits = device.limits();
+    let rows = TEXTURE_WIDTH.max(texels.div_ceil(TEXTURE_WIDTH));
+    let needs = [
+        ("max_texture_dimension_2d", u64::from(limits.max_texture_dimension_2d), u64::from(rows)),
+        ("max_storage_textures_per_shader_stage", u64::from(limits.max_storage_textures_per_shader_stage), 2),
+    ];
+    first_missing(device, &needs)
+}
+
+fn first_missing(device: &wgpu::Device, needs: &[(&str, u64, u64)]) -> Result<(), SolverError> {
+    match needs.iter().find(|(_, offered, needed)| offered < needed) {
+        Some(&(limit, offered, needed)) => Err(SolverError::WeakAdapter {
+            adapter: device.adapter_info().name,
+            limit: limit.to_owned(),
+            offered,
+            needed,
+        }),
+        None => Ok(()),
     }
-    Ok(())
 }

@@ -35,7 +35,7 @@ mod state;
 mod timing;
 
 pub use device::{DeviceRequest, FluidDevice, open_device};
-pub use options::GpuOptions;
+pub use options::{GpuOptions, NeighbourMemory};
 pub use readback::TICKS_IN_FLIGHT;
 pub use sharing::FluidBuffers;
 pub use solver::GpuSolver;

@@ -1,10 +1,15 @@
-//! Where the solver's buffers are made, and the count of their bytes.
+//! Where the solver's buffers and textures are made, and the count of their bytes.
 
 use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Bytes of the buffers that were made and not given back.
+use crate::layout::TEXTURE_WIDTH;
+
+/// What the textures hold in a texel: four words.
+pub(crate) const TEXEL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+
+/// Bytes of the buffers and textures that were made and not given back.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
     bytes: Arc<AtomicU64>,
@@ -12,35 +17,64 @@ pub(crate) struct Memory {
 
 impl Memory {
     /// Makes a buffer and counts it until it is dropped.
-    pub fn allocate(&self, device: &wgpu::Device, about: &wgpu::BufferDescriptor<'_>) -> Held {
+    pub fn allocate(&self, device: &wgpu::Device, about: &wgpu::BufferDescriptor<'_>) -> Held<wgpu::Buffer> {
         let buffer = device.create_buffer(about);
-        self.bytes.fetch_add(buffer.size(), Ordering::Relaxed);
-        Held { buffer, memory: self.clone() }
+        let bytes = buffer.size();
+        self.hold(buffer, bytes)
+    }
+
+    /// Makes a texture of whole rows of texels, no fewer than `texels`, and counts it until it is dropped.
+    pub fn allocate_texels(&self, device: &wgpu::Device, label: &str, texels: u32) -> Held<wgpu::TextureView> {
+        let height = texels.div_ceil(TEXTURE_WIDTH).max(1);
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width: TEXTURE_WIDTH, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: TEXEL_FORMAT,
+            usage: wgpu::TextureUsages::STORAGE_BINDING,
+            view_formats: &[],
+        });
+        self.hold(texture.create_view(&Default::default()), 16 * u64::from(TEXTURE_WIDTH) * u64::from(height))
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
         self.bytes.load(Ordering::Relaxed)
     }
-}
 
-/// A buffer that is counted as long as it is held.
-#[derive(Debug)]
-pub(crate) struct Held {
-    buffer: wgpu::Buffer,
-    memory: Memory,
-}
-
-impl Deref for Held {
-    type Target = wgpu::Buffer;
-
-    fn deref(&self) -> &wgpu::Buffer {
-        &self.buffer
+    fn hold<T>(&self, what: T, bytes: u64) -> Held<T> {
+        self.bytes.fetch_add(bytes, Ordering::Relaxed);
+        Held { what, bytes, memory: self.clone() }
     }
 }
 
-impl Drop for Held {
+/// A buffer or texture that is counted as long as it is held.
+#[derive(Debug)]
+pub(crate) struct Held<T> {
+    what: T,
+    bytes: u64,
+    memory: Memory,
+}
+
+impl<T> Held<T> {
+    /// Its size.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}
+
+impl<T> Deref for Held<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.what
+    }
+}
+
+impl<T> Drop for Held<T> {
     fn drop(&mut self) {
-        self.memory.bytes.fetch_sub(self.buffer.size(), Ordering::Relaxed);
+        self.memory.bytes.fetch_sub(self.bytes, Ordering::Relaxed);
     }
 }

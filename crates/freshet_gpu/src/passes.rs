@@ -130,7 +130,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                     (B::CellStarts, Read),
                     (B::Slots, Read),
                     (B::SortedPositions, Write),
-                    (B::SortedVelocities, Write),
+                    (B::Accelerations, Write),
                     (B::SortedLives, Write),
                     (B::Control, Write),
                 ],
@@ -164,8 +164,9 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
         }
         StageKind::Density => {
             let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
-            let uses = with(viscous, uses, &[(B::SortedVelocities, Write)]);
-            let uses = with(true, uses, &[(B::Densities, Write), (B::Hits, Write), (B::Accelerations, Write)]);
+            let written =
+                [B::SortedVelocities, B::Densities, B::Hits, B::Accelerations].map(|binding| (binding, Write));
+            let uses = with(true, uses, &written);
             vec![pass("density", passes::DENSITY, Arguments::Particles, &uses)]
         }
         StageKind::Acceleration => {

@@ -2,9 +2,11 @@
 
 use freshet_core::solver::SolverError;
 
-use crate::buffers::{Buffers, INPUT_STRIDE};
+use crate::buffers::Buffers;
 use crate::errors::guarded;
 use crate::layout::{Access, Binding};
+use crate::memory::TEXEL_FORMAT;
+use crate::options::GpuOptions;
 use crate::passes::Pass;
 
 /// A compiled pass; clones share what was compiled.
@@ -21,7 +23,12 @@ pub(crate) struct Pipeline {
 
 impl Pipeline {
     /// Compiles a pass. Bounds are checked by the driver or by naga, as the device is set up.
-    pub fn new(device: &wgpu::Device, module: wgpu::naga::Module, pass: Pass) -> Result<Self, SolverError> {
+    pub fn new(
+        device: &wgpu::Device,
+        module: wgpu::naga::Module,
+        pass: Pass,
+        options: &GpuOptions,
+    ) -> Result<Self, SolverError> {
         let label = format!("freshet:pass:{}", pass.name);
         guarded(device, &label.clone(), || {
             let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -29,7 +36,7 @@ impl Pipeline {
                 source: wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module)),
             });
             let mut entries: Vec<_> =
-                pass.uses.iter().map(|&(binding, access)| layout_entry(binding, access)).collect();
+                pass.uses.iter().map(|&(binding, access)| layout_entry(binding, access, options.textures())).collect();
             entries.sort_by_key(|entry| entry.binding);
             let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                 label: Some(&format!("freshet:bind_group_layout:{}", pass.name)),
@@ -63,9 +70,7 @@ impl Pipeline {
             if let Some((_, resource)) = own.iter().find(|entry| entry.0 == binding) {
                 return Some(resource.clone());
             }
-            let buffer = buffers.get(binding)?;
-            let size = (binding == Binding::Input).then(|| wgpu::BufferSize::new(INPUT_STRIDE)).flatten();
-            Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size }))
+            buffers.resource(binding)
         };
         let mut entries: Vec<_> = self
             .pass
@@ -84,16 +89,22 @@ impl Pipeline {
     }
 }
 
-fn layout_entry(binding: Binding, access: Access) -> wgpu::BindGroupLayoutEntry {
+fn layout_entry(binding: Binding, access: Access, textures: bool) -> wgpu::BindGroupLayoutEntry {
+    let buffer =
+        |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: binding == Binding::Input, min_binding_size: None };
     let ty = if binding.is_uniform() {
-        wgpu::BufferBindingType::Uniform
+        buffer(wgpu::BufferBindingType::Uniform)
+    } else if textures && binding.is_of_neighbours() {
+        wgpu::BindingType::StorageTexture {
+            access: match access {
+                Access::Read => wgpu::StorageTextureAccess::ReadOnly,
+                Access::Write => wgpu::StorageTextureAccess::WriteOnly,
+            },
+            format: TEXEL_FORMAT,
+            view_dimension: wgpu::TextureViewDimension::D2,
+        }
     } else {
-        wgpu::BufferBindingType::Storage { read_only: access == Access::Read && !binding.is_atomic() }
+        buffer(wgpu::BufferBindingType::Storage { read_only: access == Access::Read && !binding.is_atomic() })
     };
-    wgpu::BindGroupLayoutEntry {
-        binding: binding.number(),
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: binding == Binding::Input, min_binding_size: None },
-        count: None,
-    }
+    wgpu::BindGroupLayoutEntry { binding: binding.number(), visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
 }

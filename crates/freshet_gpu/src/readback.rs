@@ -25,14 +25,14 @@ const FAILED: u8 = 2;
 #[derive(Debug)]
 struct Ticket<T> {
     about: T,
-    staging: Held,
+    staging: Held<wgpu::Buffer>,
     state: Arc<AtomicU8>,
 }
 
 /// A ring of staging buffers; `T` is what is remembered of each report.
 #[derive(Debug)]
 pub(crate) struct Readback<T> {
-    free: Vec<Held>,
+    free: Vec<Held<wgpu::Buffer>>,
     pending: VecDeque<Ticket<T>>,
     waits: u64,
     bytes: u64,
@@ -186,7 +186,7 @@ impl<T> Readback<T> {
     }
 }
 
-fn staging(device: &wgpu::Device, bytes: u64, memory: &Memory) -> Held {
+fn staging(device: &wgpu::Device, bytes: u64, memory: &Memory) -> Held<wgpu::Buffer> {
     let about = wgpu::BufferDescriptor {
         label: Some("freshet:buffer:staging"),
         size: bytes,

@@ -111,7 +111,7 @@ pub(crate) fn compose(
     let mut definitions = definitions.clone();
     definitions.insert(pass.name.to_uppercase(), ShaderDefValue::Bool(true));
     let mut composer = Composer::default();
-    let bindings = bindings_module(&pass.uses);
+    let bindings = bindings_module(&pass.uses, options.textures());
     let modules = std::iter::once(("generated/bindings.wgsl", bindings.as_str()))
         .chain(library::ALL.iter().map(|file| (file.path, file.source)));
     for (path, source) in modules {

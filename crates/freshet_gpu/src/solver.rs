@@ -107,10 +107,12 @@ impl GpuSolver {
         earlier: Option<&Compiled>,
     ) -> Result<Self, SolverError> {
         options.validate()?;
+        let options = options.for_device(device);
         let compiled = Compiled::new(device, &plan, options, earlier)?;
         let memory = Memory::default();
         let start = plan.positions.len() as u32;
-        let buffers = Buffers::new(device, queue, &plan, initial_capacity(start, plan.max_particles), &memory)?;
+        let buffers =
+            Buffers::new(device, queue, &plan, initial_capacity(start, plan.max_particles), &options, &memory)?;
         let names = compiled.substep.iter().map(|pipeline| pipeline.pass.name).collect();
         let timer = if options.time_stamps { Timer::new(device, queue, names, &memory)? } else { None };
         let mut solver = Self {

@@ -106,7 +106,7 @@ impl GpuSolver {
         self.spawning.clear();
         if count > self.buffers.capacity {
             let capacity = count.next_power_of_two().min(self.plan.max_particles);
-            self.buffers = Buffers::new(&self.device, &self.queue, &self.plan, capacity, &self.memory)?;
+            self.buffers = Buffers::new(&self.device, &self.queue, &self.plan, capacity, &self.options, &self.memory)?;
             self.rebind()?;
         }
         self.gravity = snapshot.gravity;

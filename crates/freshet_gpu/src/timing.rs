@@ -13,7 +13,7 @@ pub const MEASURED_SUBSTEPS: u32 = 16;
 #[derive(Debug)]
 pub(crate) struct Timer {
     set: wgpu::QuerySet,
-    resolved: Held,
+    resolved: Held<wgpu::Buffer>,
     passes: Vec<&'static str>,
     period: f32,
 }

@@ -2,6 +2,10 @@
 
 use super::records;
 
+/// Texels in a row of the textures that hold particles: with WebGPU's default of 8192 rows, as many particles as the state's
+/// buffer holds by default.
+pub(crate) const TEXTURE_WIDTH: u32 = 512;
+
 /// How a pass uses a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
@@ -30,16 +34,17 @@ pub enum Binding {
     /// Which candidates of a particle are its neighbours, in the memory of the state: between the sort, which copies the
     /// state, and the motion, which writes it anew, that memory is free.
     Hits,
-    /// [`PositionRecord`](records::PositionRecord): positions in the order of the last sort.
+    /// Positions and ids in the order of the last sort, four words each. A buffer or a texture, see
+    /// [`NeighbourMemory`](crate::NeighbourMemory).
     SortedPositions,
     /// Velocities in the order of the last sort, each with the density that the density pass finds: what viscosity needs
-    /// of a neighbour in one load. The pressure it needs follows from that density.
+    /// of a neighbour in one load. The pressure it needs follows from that density. A buffer or a texture, as the positions.
     SortedVelocities,
     /// Remaining lives in the order of the last sort.
     SortedLives,
     /// Density and `p / rho^2`.
     Densities,
-    /// [`AccelerationRecord`](records::AccelerationRecord).
+    /// [`AccelerationRecord`](records::AccelerationRecord). Between the sort and the density pass: velocities.
     Accelerations,
     /// The particle in each slot, before ordering by id.
     Slots,
@@ -157,8 +162,7 @@ impl Binding {
             Binding::Arguments | Binding::Slots | Binding::CellStarts | Binding::BodySlots => "array<u32>",
             Binding::Particles => "array<ParticleRecord>",
             Binding::Hits => "array<array<u32, 8>>",
-            Binding::SortedPositions => "array<PositionRecord>",
-            Binding::SortedVelocities => "array<vec4<f32>>",
+            Binding::SortedPositions | Binding::SortedVelocities => "array<vec4<u32>>",
             Binding::SortedLives => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
@@ -177,6 +181,42 @@ impl Binding {
         matches!(self, Binding::Control | Binding::CellCounts)
     }
 
+    /// Whether passes read it of every neighbour of a particle: four words each, in a buffer or in a texture.
+    pub fn is_of_neighbours(self) -> bool {
+        matches!(self, Binding::SortedPositions | Binding::SortedVelocities)
+    }
+
+    fn declaration(self, writes: bool, is_texture: bool) -> String {
+        let (space, element) = match (self.is_uniform(), writes || self.is_atomic(), is_texture) {
+            (_, false, true) => ("", "texture_storage_2d<rgba32uint, read>"),
+            (_, true, true) => ("", "texture_storage_2d<rgba32uint, write>"),
+            (true, _, _) => ("<uniform>", self.element()),
+            (false, true, _) => ("<storage, read_write>", self.element()),
+            (false, false, _) => ("<storage, read>", self.element()),
+        };
+        format!("@group(0) @binding({}) var{space} {}: {element};\n", self.number(), self.name())
+    }
+
+    /// Accessors of the four words.
+    fn words(self, writes: bool, is_texture: bool) -> String {
+        let name = self.name();
+        let read = match is_texture {
+            true => format!("textureLoad({name}, texel(i))"),
+            false => format!("{name}[i]"),
+        };
+        let write = match is_texture {
+            true => format!("textureStore({name}, texel(i), words)"),
+            false => format!("{name}[i] = words"),
+        };
+        let reader = format!("fn {name}_words(i: u32) -> vec4<u32> {{ return {read}; }}\n");
+        let writer = format!("fn set_{name}_words(i: u32, words: vec4<u32>) {{ {write}; }}\n");
+        match (writes, is_texture) {
+            (false, _) => reader,
+            (true, false) => reader + &writer,
+            (true, true) => writer,
+        }
+    }
+
     fn readers(self) -> &'static str {
         match self {
             Binding::Parameters | Binding::Input | Binding::Command | Binding::Control | Binding::Arguments => "",
@@ -189,13 +229,12 @@ fn remaining_life(i: u32) -> f32 { return particles[i].remaining_life; }
             }
             Binding::Hits => "fn hits_of(i: u32, word: u32) -> u32 { return hits[i][word]; }\n",
             Binding::SortedPositions => {
-                "fn sorted_position(i: u32) -> vec3<f32> { return sorted_positions[i].position; }
-fn sorted_id(i: u32) -> u32 { return sorted_positions[i].id; }
+                "fn sorted_position(i: u32) -> vec3<f32> { return bitcast<vec3<f32>>(sorted_positions_words(i).xyz); }
+fn sorted_id(i: u32) -> u32 { return sorted_positions_words(i).w; }
 "
             }
             Binding::SortedVelocities => {
-                "fn sorted_velocity(i: u32) -> vec3<f32> { return sorted_velocities[i].xyz; }
-fn velocity_and_density(i: u32) -> vec4<f32> { return sorted_velocities[i]; }
+                "fn velocity_and_density(i: u32) -> vec4<f32> { return bitcast<vec4<f32>>(sorted_velocities_words(i)); }
 "
             }
             Binding::SortedLives => "fn sorted_remaining_life(i: u32) -> f32 { return sorted_lives[i]; }\n",
@@ -206,6 +245,7 @@ fn pressure_term(i: u32) -> f32 { return densities[i].y; }
             }
             Binding::Accelerations => {
                 "fn acceleration(i: u32) -> vec3<f32> { return accelerations[i].acceleration; }
+fn velocity_before(i: u32) -> vec3<f32> { return accelerations[i].acceleration; }
 fn hits_of_own_row(i: u32) -> u32 { return accelerations[i].own_row; }
 "
             }
@@ -288,13 +328,14 @@ fn set_remaining_life(i: u32, life: f32) { particles[i].remaining_life = life; }
             Binding::Hits => "fn set_hits(i: u32, word: u32, value: u32) { hits[i][word] = value; }\n",
             Binding::SortedPositions => {
                 "fn set_sorted_position(i: u32, x: vec3<f32>, particle: u32) {
-    sorted_positions[i] = PositionRecord(x, particle);
+    set_sorted_positions_words(i, vec4<u32>(bitcast<vec3<u32>>(x), particle));
 }
 "
             }
             Binding::SortedVelocities => {
-                "fn set_sorted_velocity(i: u32, v: vec3<f32>) { sorted_velocities[i] = vec4<f32>(v, 0.0); }
-fn set_density_beside_velocity(i: u32, value: f32) { sorted_velocities[i].w = value; }
+                "fn set_velocity_and_density(i: u32, v: vec3<f32>, value: f32) {
+    set_sorted_velocities_words(i, bitcast<vec4<u32>>(vec4<f32>(v, value)));
+}
 "
             }
             Binding::SortedLives => "fn set_sorted_remaining_life(i: u32, life: f32) { sorted_lives[i] = life; }\n",
@@ -303,6 +344,7 @@ fn set_density_beside_velocity(i: u32, value: f32) { sorted_velocities[i].w = va
             }
             Binding::Accelerations => {
                 "fn set_acceleration(i: u32, a: vec3<f32>) { accelerations[i].acceleration = a; }
+fn set_velocity_before(i: u32, v: vec3<f32>) { accelerations[i].acceleration = v; }
 fn set_hits_of_own_row(i: u32, value: u32) { accelerations[i].own_row = value; }
 "
             }
@@ -354,26 +396,23 @@ fn add_body_impulse(i: u32, slot: u32, linear: vec3<f32>, angular: vec3<f32>) {
     }
 }
 
-/// The module `freshet::bindings` for a pass: structs, buffers and accessors. Setters exist only for what it writes.
-pub(crate) fn bindings_module(uses: &[(Binding, Access)]) -> String {
+/// The module `freshet::bindings` for a pass: structs, buffers or textures, accessors. Setters exist only for what it
+/// writes; a texture that it writes it cannot read.
+pub(crate) fn bindings_module(uses: &[(Binding, Access)], textures: bool) -> String {
     let mut text = format!("#define_import_path freshet::bindings\n\n{}\n", records::declarations());
+    text +=
+        &format!("fn texel(i: u32) -> vec2<u32> {{ return vec2<u32>(i % {TEXTURE_WIDTH}u, i / {TEXTURE_WIDTH}u); }}\n");
     for binding in Binding::ALL {
         let writes = uses.contains(&(binding, Access::Write));
-        let space = match (binding.is_uniform(), writes || binding.is_atomic()) {
-            (true, _) => "uniform",
-            (false, true) => "storage, read_write",
-            (false, false) => "storage, read",
-        };
-        text += &format!(
-            "@group(0) @binding({}) var<{space}> {}: {};\n",
-            binding.number(),
-            binding.name(),
-            binding.element()
-        );
-    }
-    for binding in Binding::ALL {
-        text += binding.readers();
-        if uses.contains(&(binding, Access::Write)) {
+        let is_texture = textures && binding.is_of_neighbours();
+        text += &binding.declaration(writes, is_texture);
+        if binding.is_of_neighbours() {
+            text += &binding.words(writes, is_texture);
+        }
+        if !(is_texture && writes) {
+            text += binding.readers();
+        }
+        if writes {
             text += binding.writers();
         }
     }

@@ -7,8 +7,8 @@ mod wgsl;
 pub use binding::{Access, Binding};
 pub use records::{
     AccelerationRecord, BodyInputRecord, BodyRecord, BodySampleRecord, CommandRecord, ExchangeRecord, Parameters,
-    ParticleRecord, PositionRecord, SampleLoadRecord, SpawnRecord, StepControl, TickRecord,
+    ParticleRecord, SampleLoadRecord, SpawnRecord, StepControl, TickRecord,
 };
 pub use wgsl::{Atomic, WgslStruct, WgslType};
 
-pub(crate) use binding::bindings_module;
+pub(crate) use binding::{TEXTURE_WIDTH, bindings_module};

@@ -209,17 +209,9 @@ wgsl_struct! {
         remaining_life: f32,
     }
 
-    /// Where a particle is, and who it is, in the order of the last sort.
-    pub struct PositionRecord {
-        /// m.
-        position: Vec3,
-        /// Stable number.
-        id: u32,
-    }
-
     /// What moves a particle.
     pub struct AccelerationRecord {
-        /// m/s2.
+        /// m/s2. Scratch between the sort and the density pass: the velocity, m/s.
         acceleration: Vec3,
         /// Scratch: which candidates of its own row are neighbours, see `library/hits.wgsl`.
         own_row: u32,

@@ -1,7 +1,7 @@
 //! The same bits whatever the workgroup size, and from run to run.
 
 use freshet_core::prelude::*;
-use freshet_gpu::GpuOptions;
+use freshet_gpu::{GpuOptions, NeighbourMemory};
 
 use crate::common::{dam_break, solver_with, tick};
 
@@ -30,6 +30,14 @@ fn bits_do_not_depend_on_the_workgroup_size() {
     for size in [32, 256] {
         assert!(state_after(size, 50) == reference, "workgroup size {size} gives other bits than 64");
     }
+}
+
+#[test]
+fn bits_do_not_depend_on_what_holds_the_neighbours() {
+    let state = |neighbours| state_with(GpuOptions { neighbours, ..Default::default() }, 50);
+    let buffers = state(NeighbourMemory::Buffers);
+    assert!(buffers.velocities.iter().any(|velocity| velocity.x > 0.1), "the dam does not break");
+    assert!(state(NeighbourMemory::Textures) == buffers, "textures give other bits than buffers");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use freshet_core::plan::StageKind;
 use freshet_core::prelude::*;
-use freshet_gpu::{DeviceRequest, GpuOptions, GpuSolver, open_device};
+use freshet_gpu::{DeviceRequest, GpuOptions, GpuSolver, NeighbourMemory, open_device};
 
 use crate::common::{dam_break, device, solver, solver_with};
 
@@ -20,15 +20,18 @@ fn names(solver: &GpuSolver) -> (Vec<&'static str>, Vec<&'static str>) {
 }
 
 /// The schedule against what was counted where buffers are made, and against sums over plan and capacity.
-fn check_bytes(solver: &GpuSolver) {
+fn check_bytes(solver: &GpuSolver, neighbours: NeighbourMemory) {
     let (schedule, plan) = (solver.schedule(), solver.plan());
     assert_eq!(schedule.bytes(), solver.allocated_bytes(), "{schedule}");
     let (walls, samples) = (plan.boundary.positions.len() as u64, plan.body_samples() as u64);
     // The shaders cut each cell of the plan in two along x.
     let section = 2 * u64::from(plan.grid.cells()) + 1;
     let (with_walls, with_bodies) = (u64::from(walls > 0), u64::from(samples > 0));
-    // State 32, sorted position and velocity and acceleration 16 each, density and pressure term 8, life and slot 4 each.
-    let per_particle = u64::from(schedule.capacity) * (32 + 3 * 16 + 8 + 2 * 4);
+    // State 32, sorted position and velocity 16 each, in textures of rows of 512; acceleration 16, density and pressure term
+    // 8, life and slot 4 each.
+    let capacity = u64::from(schedule.capacity);
+    let texels = if neighbours == NeighbourMemory::Textures { capacity.next_multiple_of(512) } else { capacity };
+    let per_particle = texels * 2 * 16 + capacity * (32 + 16 + 8 + 2 * 4);
     // Counts of particles and bodies; starts of particles, walls and bodies, and the totals of blocks of 1024 cells.
     let cells = 4 * (section * (2 + with_walls + 2 * with_bodies) + section.div_ceil(1024));
     let growing: u64 = schedule.buffers.iter().filter(|buffer| buffer.per_particle).map(|buffer| buffer.bytes).sum();
@@ -42,9 +45,10 @@ fn check_bytes(solver: &GpuSolver) {
 
 #[test]
 fn bytes_of_the_schedule_are_the_bytes_allocated() {
-    for scene in [dam_break(0.05), with_body()] {
-        let mut solver = solver(&scene);
-        check_bytes(&solver);
+    let memories = [NeighbourMemory::Textures, NeighbourMemory::Buffers];
+    for (scene, neighbours) in [dam_break(0.05), with_body()].into_iter().zip(memories) {
+        let mut solver = solver_with(&scene, GpuOptions { neighbours, ..Default::default() });
+        check_bytes(&solver, neighbours);
         let per_particle = solver.schedule().bytes_per_particle();
         assert!(per_particle <= 120.0, "{}", solver.schedule());
         // Also after growing.
@@ -63,14 +67,14 @@ fn bytes_of_the_schedule_are_the_bytes_allocated() {
         let input = StepInput { duration: 0.0, commands: vec![spawn], bodies, ..Default::default() };
         assert_eq!(solver.step(&input).unwrap().particles, 3000);
         assert!(solver.schedule().bytes() > before);
-        check_bytes(&solver);
+        check_bytes(&solver, neighbours);
         // And shrinking, which takes a few ticks; and with staging of downloads and commands, which come and go.
         for number in 1..6 {
             let commands = vec![Command::RemoveIds { first: 100, count: u32::MAX }];
             let bodies = vec![BodyInput::default(); scene.bodies.len()];
             solver.step(&StepInput { commands, bodies, ..crate::common::tick(number, 0.0) }).unwrap();
             solver.snapshot().unwrap();
-            check_bytes(&solver);
+            check_bytes(&solver, neighbours);
         }
         assert!(solver.schedule().capacity < 3000, "{}", solver.schedule());
     }
