@@ -77,21 +77,21 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
 
 #ifdef SAMPLES
 // V_k P_a f'(q) / q x_ak
-fn from_sample(own: Own, k: u32) -> vec3<f32> {
-    let x = grid::difference(own.position, fields::sample_at(k));
-    let factor = fields::sample_weight(k) * own.pressure_term;
+fn from_sample(own: Own, sample: fields::Sample) -> vec3<f32> {
+    let x = grid::difference(own.position, sample.position);
+    let factor = sample.weight * own.pressure_term;
     return (factor * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
 }
 #endif
 
 #ifdef DRAGGING_WALLS
 // V_k (P_a + Pi_ak) f'(q) / q x_ak
-fn from_wall(own: Own, k: u32) -> vec3<f32> {
-    let x = grid::difference(own.position, fields::sample_at(k));
+fn from_wall(own: Own, sample: fields::Sample) -> vec3<f32> {
+    let x = grid::difference(own.position, sample.position);
     let r_squared = dot(x, x);
-    let approach = fields::sample_viscous_weight(k) * dot(own.velocity, x);
+    let approach = sample.viscous_weight * dot(own.velocity, x);
     let drag = own.artificial_scale * approach / ((r_squared + own.softening) * (2.0 * own.density));
-    let factor = fields::sample_weight(k) * own.pressure_term - drag;
+    let factor = sample.weight * own.pressure_term - drag;
     return (factor * kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius)) * x;
 }
 #endif
@@ -104,10 +104,10 @@ struct Contact {
     velocity: vec3<f32>,
 }
 
-fn touch(own: Own, k: u32, contact: ptr<function, Contact>) {
-    let x = grid::difference(own.position, fields::sample_at(k));
+fn touch(own: Own, k: u32, sample: fields::Sample, contact: ptr<function, Contact>) {
+    let x = grid::difference(own.position, sample.position);
     let slope = -kernels::slope_over_q(length(x) * own.inverse_radius);
-    let weight = fields::parameters.sample_force_scale * fields::sample_viscous_weight(k) * slope;
+    let weight = fields::parameters.sample_force_scale * sample.viscous_weight * slope;
     (*contact).strength += weight;
     (*contact).slope += weight * x;
 #ifdef MOVING_WALLS
@@ -176,20 +176,21 @@ fn acceleration_of(a: u32) -> vec3<f32> {
         let walls = grid::row_of(wall_starts, cells);
         for (var t = 0u; t < walls.count; t++) {
             let k = grid::member(walls, t);
+            let sample = fields::sample(k);
 #ifdef DRAGGING_WALLS
-            samples += from_wall(own, k);
+            samples += from_wall(own, sample);
 #else
-            samples += from_sample(own, k);
+            samples += from_sample(own, sample);
 #endif
 #ifdef STICKING_WALLS
-            touch(own, k, &contact);
+            touch(own, k, sample, &contact);
 #endif
         }
 #endif
 #ifdef BODIES
         let bodies = grid::row_of(body_starts, cells);
         for (var t = 0u; t < bodies.count; t++) {
-            samples += from_sample(own, grid::member(bodies, t));
+            samples += from_sample(own, fields::sample(grid::member(bodies, t)));
         }
 #endif
     }

@@ -52,9 +52,9 @@ fn density_of(a: u32) -> f32 {
             let walls = grid::row_of(wall_starts, cells);
             found |= select(0u, hits::SAMPLES, walls.count > 0u);
             for (var t = 0u; t < walls.count; t++) {
-                let wall = grid::member(walls, t);
-                let distance = length(grid::difference(position, fields::sample_at(wall)));
-                samples += fields::sample_weight(wall) * kernels::shape(distance * inverse_radius);
+                let wall = fields::sample(grid::member(walls, t));
+                let distance = length(grid::difference(position, wall.position));
+                samples += wall.weight * kernels::shape(distance * inverse_radius);
             }
         }
 #endif
@@ -62,9 +62,9 @@ fn density_of(a: u32) -> f32 {
         let bodies = grid::row_of(body_starts, cells);
         found |= select(0u, hits::SAMPLES, bodies.count > 0u);
         for (var t = 0u; t < bodies.count; t++) {
-            let body = grid::member(bodies, t);
-            let distance = length(grid::difference(position, fields::sample_at(body)));
-            samples += fields::sample_weight(body) * kernels::shape(distance * inverse_radius);
+            let body = fields::sample(grid::member(bodies, t));
+            let distance = length(grid::difference(position, body.position));
+            samples += body.weight * kernels::shape(distance * inverse_radius);
         }
 #endif
         if (row == hits::OWN_ROW) {

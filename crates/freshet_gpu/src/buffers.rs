@@ -10,7 +10,7 @@ use crate::errors::guarded;
 use crate::layout::{
     Binding, BodyInputRecord, BodyRecord, BodySampleRecord, Parameters, SampleLoadRecord, StepControl,
 };
-use crate::memory::{Held, Memory};
+use crate::memory::{Held, Memory, TEXEL_BYTES, write_texels};
 use crate::options::GpuOptions;
 use crate::parameters::parameters;
 use crate::passes::{Arguments, moving_walls};
@@ -40,14 +40,14 @@ struct Allocated {
 #[derive(Debug)]
 enum Store {
     Buffer(Held<wgpu::Buffer>),
-    Texels(Held<wgpu::TextureView>),
+    Texels(Held<wgpu::Texture>, wgpu::TextureView),
 }
 
 impl Store {
     fn buffer(&self) -> Option<&wgpu::Buffer> {
         match self {
             Store::Buffer(buffer) => Some(buffer),
-            Store::Texels(_) => None,
+            Store::Texels(..) => None,
         }
     }
 }
@@ -114,12 +114,12 @@ impl Buffers {
     ) -> Result<Self, SolverError> {
         let mut buffers =
             Self { allocated: Vec::new(), textures: options.textures(), memory: memory.clone(), capacity };
-        buffers.allocated = buffers.allocate(device, needs(plan, capacity), capacity)?;
+        buffers.allocated = buffers.allocate(device, needs(plan, capacity))?;
         buffers.write(queue, Binding::Parameters, &[parameters(plan)]);
         let tables = CellTables::of(plan);
         if !plan.boundary.positions.is_empty() {
             let walls = sort_walls(plan);
-            buffers.write(queue, Binding::Samples, &walls.samples);
+            buffers.write_samples(queue, &walls.samples);
             buffers.write(queue, Binding::WallVelocities, &walls.velocities);
             buffers.write_at(queue, Binding::CellStarts, 4 * u64::from(tables.wall_starts), &walls.starts);
         }
@@ -141,7 +141,7 @@ impl Buffers {
     ) -> Result<(), SolverError> {
         let mut needs = needs(plan, capacity);
         needs.retain(|need| need.binding.particle_bytes().is_some());
-        for fresh in self.allocate(device, needs, capacity)? {
+        for fresh in self.allocate(device, needs)? {
             let Some(old) = self.allocated.iter_mut().find(|old| old.binding == fresh.binding) else { continue };
             if matches!(fresh.binding, Binding::Particles | Binding::Densities | Binding::Accelerations)
                 && let (Some(from), Some(to)) = (old.store.buffer(), fresh.store.buffer())
@@ -154,15 +154,19 @@ impl Buffers {
         Ok(())
     }
 
-    fn allocate(&self, device: &wgpu::Device, needs: Vec<Need>, capacity: u32) -> Result<Vec<Allocated>, SolverError> {
-        check_device(device, needs.iter().map(|need| need.bytes).max().unwrap_or(0))?;
-        if self.textures {
-            check_textures(device, capacity)?;
-        }
+    fn allocate(&self, device: &wgpu::Device, needs: Vec<Need>) -> Result<Vec<Allocated>, SolverError> {
+        let largest = |texels: bool| {
+            let of_kind = needs.iter().filter(|need| (self.textures && need.binding.is_of_neighbours()) == texels);
+            of_kind.map(|need| need.bytes).max().unwrap_or(0)
+        };
+        check_device(device, largest(false))?;
+        check_textures(device, largest(true) / TEXEL_BYTES)?;
         let allocate = |need: Need| {
             let label = format!("freshet:buffer:{}", need.binding.name());
             let store = if self.textures && need.binding.is_of_neighbours() {
-                Store::Texels(self.memory.allocate_texels(device, &label, capacity))
+                let texture = self.memory.allocate_texels(device, &label, need.bytes / TEXEL_BYTES);
+                let view = texture.create_view(&Default::default());
+                Store::Texels(texture, view)
             } else {
                 Store::Buffer(self.memory.allocate(
                     device,
@@ -192,7 +196,7 @@ impl Buffers {
                 let size = (binding == Binding::Input).then(|| wgpu::BufferSize::new(INPUT_STRIDE)).flatten();
                 wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
             }
-            Store::Texels(view) => wgpu::BindingResource::TextureView(view),
+            Store::Texels(_, view) => wgpu::BindingResource::TextureView(view),
         })
     }
 
@@ -206,7 +210,7 @@ impl Buffers {
             name: allocated.binding.name(),
             bytes: match &allocated.store {
                 Store::Buffer(buffer) => buffer.bytes(),
-                Store::Texels(view) => view.bytes(),
+                Store::Texels(texture, _) => texture.bytes(),
             },
             per_particle: allocated.per_particle,
         };
@@ -216,6 +220,14 @@ impl Buffers {
     /// Writes the start of a buffer before the next submit; nothing if the plan does not need it.
     pub fn write<T: bytemuck::NoUninit>(&self, queue: &wgpu::Queue, binding: Binding, values: &[T]) {
         self.write_at(queue, binding, 0, values);
+    }
+
+    /// Writes the first samples before the next submit.
+    fn write_samples(&self, queue: &wgpu::Queue, samples: &[[f32; 4]]) {
+        match self.store(Binding::Samples) {
+            Some(Store::Texels(texture, _)) => write_texels(queue, texture, samples),
+            _ => self.write(queue, Binding::Samples, samples),
+        }
     }
 
     /// Writes a part of a buffer before the next submit; nothing if the plan does not need it.

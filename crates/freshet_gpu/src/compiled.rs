@@ -7,7 +7,7 @@ use crate::commands::CommandPipelines;
 use crate::options::GpuOptions;
 use crate::passes::{Pass, begin_bodies, begin_tick, substep_passes};
 use crate::pipelines::Pipeline;
-use crate::shader::{Definitions, compose, definitions};
+use crate::shader::{Definitions, compose, definitions, sources};
 
 /// All pipelines of a solver; clones share them.
 #[derive(Clone, Debug)]
@@ -44,6 +44,12 @@ impl Compiled {
             && is_made_from(&earlier.substep, &substep)
         {
             return Ok(earlier.clone());
+        }
+        let passes = substep.iter().chain(&begin);
+        if let Some((from, _)) = options.patch
+            && !passes.flat_map(|pass| sources(pass, &options)).any(|(_, source)| source.contains(from))
+        {
+            return Err(SolverError::Device(format!("the patched WGSL is in no pass: {from}")));
         }
         let compile = |pass| Pipeline::new(device, compose(&pass, &definitions, &options)?, pass, &options);
         let substep = substep.into_iter().map(compile).collect::<Result<Vec<_>, _>>()?;

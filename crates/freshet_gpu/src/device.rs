@@ -98,12 +98,12 @@ pub(crate) fn check_device(device: &wgpu::Device, largest: u64) -> Result<(), So
 }
 
 /// Checks that a device can hold `texels` texels in a texture.
-pub(crate) fn check_textures(device: &wgpu::Device, texels: u32) -> Result<(), SolverError> {
+pub(crate) fn check_textures(device: &wgpu::Device, texels: u64) -> Result<(), SolverError> {
     let limits = device.limits();
-    let rows = TEXTURE_WIDTH.max(texels.div_ceil(TEXTURE_WIDTH));
+    let rows = texels.div_ceil(u64::from(TEXTURE_WIDTH));
     let needs = [
-        ("max_texture_dimension_2d", u64::from(limits.max_texture_dimension_2d), u64::from(rows)),
-        ("max_storage_textures_per_shader_stage", u64::from(limits.max_storage_textures_per_shader_stage), 2),
+        ("max_texture_dimension_2d", u64::from(limits.max_texture_dimension_2d), rows),
+        ("max_storage_textures_per_shader_stage", u64::from(limits.max_storage_textures_per_shader_stage), 3),
     ];
     first_missing(device, &needs)
 }

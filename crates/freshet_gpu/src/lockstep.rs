@@ -23,10 +23,7 @@ impl FluidSolver for GpuSolver {
 
     /// Encodes the predicted substeps, waits, and encodes more until the tick is covered.
     fn step(&mut self, input: &StepInput) -> Result<StepReport, SolverError> {
-        if !self.prepared.is_empty() {
-            // Ticks of the pipelined mode that were prepared and not encoded come first.
-            self.submit(|solver, encoder| solver.encode(encoder))?;
-        }
+        // Ticks of the pipelined mode come first, those prepared and not encoded too.
         self.finish_ticks()?;
         let started = Instant::now();
         let queue = self.queue.clone();

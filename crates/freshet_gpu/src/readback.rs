@@ -126,16 +126,19 @@ impl<T> Readback<T> {
         if bytes == 0 {
             return Ok(Vec::new());
         }
-        let staging = guarded(device, "allocating a staging buffer", || staging(device, bytes, &self.memory))?;
-        let mut encoder =
-            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("freshet:encoder:download") });
-        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
         let state = Arc::new(AtomicU8::new(PENDING));
         let signal = Arc::clone(&state);
-        encoder.map_buffer_on_submit(&staging, wgpu::MapMode::Read, .., move |result| {
-            signal.store(if result.is_ok() { READY } else { FAILED }, Ordering::Release);
-        });
-        queue.submit([encoder.finish()]);
+        let staging = guarded(device, "reading a buffer", || {
+            let staging = staging(device, bytes, &self.memory);
+            let about = wgpu::CommandEncoderDescriptor { label: Some("freshet:encoder:download") };
+            let mut encoder = device.create_command_encoder(&about);
+            encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
+            encoder.map_buffer_on_submit(&staging, wgpu::MapMode::Read, .., move |result| {
+                signal.store(if result.is_ok() { READY } else { FAILED }, Ordering::Release);
+            });
+            queue.submit([encoder.finish()]);
+            staging
+        })?;
         self.wait(device, &[Arc::clone(&state)])?;
         if state.load(Ordering::Acquire) != READY {
             return Err(SolverError::Device("a buffer could not be read".to_owned()));

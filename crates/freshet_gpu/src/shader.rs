@@ -1,5 +1,6 @@
 //! Composes WGSL: library modules, the generated bindings and a pass become one naga module.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use freshet_core::equation_of_state::EquationOfState;
@@ -98,6 +99,13 @@ fn kernel_definition(kernel: KernelKind) -> Result<&'static str, SolverError> {
     })
 }
 
+/// What a pass is composed of, with paths: the generated bindings, the library, last its own file.
+pub(crate) fn sources(pass: &Pass, options: &GpuOptions) -> Vec<(&'static str, Cow<'static, str>)> {
+    let bindings = bindings_module(&pass.uses, options.textures());
+    let files = library::ALL.iter().chain([&pass.file]).map(|file| (file.path, Cow::Borrowed(file.source)));
+    [("generated/bindings.wgsl", Cow::Owned(bindings))].into_iter().chain(files).collect()
+}
+
 /// Composes one pass.
 pub(crate) fn compose(
     pass: &Pass,
@@ -111,12 +119,11 @@ pub(crate) fn compose(
     let mut definitions = definitions.clone();
     definitions.insert(pass.name.to_uppercase(), ShaderDefValue::Bool(true));
     let mut composer = Composer::default();
-    let bindings = bindings_module(&pass.uses, options.textures());
-    let modules = std::iter::once(("generated/bindings.wgsl", bindings.as_str()))
-        .chain(library::ALL.iter().map(|file| (file.path, file.source)));
+    let mut modules = sources(pass, options);
+    let own = modules.pop().map(|(_, source)| source).unwrap_or_default();
     for (path, source) in modules {
         let added = composer.add_composable_module(ComposableModuleDescriptor {
-            source: &patched(source),
+            source: &patched(&source),
             file_path: path,
             ..Default::default()
         });
@@ -125,7 +132,7 @@ pub(crate) fn compose(
         }
     }
     let module = composer.make_naga_module(NagaModuleDescriptor {
-        source: &patched(pass.file.source),
+        source: &patched(&own),
         file_path: pass.file.path,
         shader_defs: definitions,
         ..Default::default()

@@ -14,8 +14,11 @@ use crate::layout::{
 use crate::solver::{GpuSolver, halves};
 
 impl GpuSolver {
-    /// Waits for the ticks in flight; the next `collect` gives their reports.
+    /// Makes the ticks that were prepared and waits for those in flight; the next `collect` gives their reports.
     pub(crate) fn finish_ticks(&mut self) -> Result<(), SolverError> {
+        if !self.prepared.is_empty() {
+            self.submit(|solver, encoder| solver.encode(encoder))?;
+        }
         for (about, bytes) in self.readback.finish(&self.device)? {
             let report = self.account(&about, &bytes)?;
             self.late.push(report);
@@ -100,8 +103,9 @@ impl GpuSolver {
         snapshot.validate()?;
         check_room(snapshot.ids.len(), self.plan.max_particles)?;
         let count = snapshot.ids.len() as u32;
-        self.finish_ticks()?;
+        // Ticks that were not encoded will not be.
         self.prepared.clear();
+        self.finish_ticks()?;
         self.late.clear();
         self.spawning.clear();
         if count > self.buffers.capacity {

@@ -52,7 +52,8 @@ pub enum Binding {
     CellCounts,
     /// First particle of each cell, then first wall sample, first body sample, totals of blocks.
     CellStarts,
-    /// Wall samples, then body samples, each sorted: position and volume.
+    /// Wall samples, then body samples, each sorted: position, and volume, negative for samples of viscous faces. A buffer or a
+    /// texture, as the positions.
     Samples,
     /// Velocities of wall samples.
     WallVelocities,
@@ -162,11 +163,11 @@ impl Binding {
             Binding::Arguments | Binding::Slots | Binding::CellStarts | Binding::BodySlots => "array<u32>",
             Binding::Particles => "array<ParticleRecord>",
             Binding::Hits => "array<array<u32, 8>>",
-            Binding::SortedPositions | Binding::SortedVelocities => "array<vec4<u32>>",
+            Binding::SortedPositions | Binding::SortedVelocities | Binding::Samples => "array<vec4<u32>>",
             Binding::SortedLives => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
-            Binding::Samples | Binding::WallVelocities => "array<vec4<f32>>",
+            Binding::WallVelocities => "array<vec4<f32>>",
             Binding::CellCounts => "array<atomic<u32>>",
             Binding::Bodies => "array<BodyRecord>",
             Binding::BodyInputs => "array<BodyInputRecord>",
@@ -183,7 +184,7 @@ impl Binding {
 
     /// Whether passes read it of every neighbour of a particle: four words each, in a buffer or in a texture.
     pub fn is_of_neighbours(self) -> bool {
-        matches!(self, Binding::SortedPositions | Binding::SortedVelocities)
+        matches!(self, Binding::SortedPositions | Binding::SortedVelocities | Binding::Samples)
     }
 
     fn declaration(self, writes: bool, is_texture: bool) -> String {
@@ -253,9 +254,11 @@ fn hits_of_own_row(i: u32) -> u32 { return accelerations[i].own_row; }
             Binding::CellCounts => "fn cell_count(i: u32) -> u32 { return atomicLoad(&cell_counts[i]); }\n",
             Binding::CellStarts => "fn cell_start(i: u32) -> u32 { return cell_starts[i]; }\n",
             Binding::Samples => {
-                "fn sample_at(k: u32) -> vec3<f32> { return samples[k].xyz; }
-fn sample_weight(k: u32) -> f32 { return abs(samples[k].w); }
-fn sample_viscous_weight(k: u32) -> f32 { return max(-samples[k].w, 0.0); }
+                "struct Sample { position: vec3<f32>, weight: f32, viscous_weight: f32 }
+fn sample(k: u32) -> Sample {
+    let words = bitcast<vec4<f32>>(samples_words(k));
+    return Sample(words.xyz, abs(words.w), max(-words.w, 0.0));
+}
 "
             }
             Binding::WallVelocities => "fn wall_velocity(k: u32) -> vec3<f32> { return wall_velocities[k].xyz; }\n",
@@ -355,7 +358,7 @@ fn take_from_cell_count(i: u32) -> u32 { return atomicSub(&cell_counts[i], 1u) -
 "
             }
             Binding::CellStarts => "fn set_cell_start(i: u32, start: u32) { cell_starts[i] = start; }\n",
-            Binding::Samples => "fn set_sample(k: u32, value: vec4<f32>) { samples[k] = value; }\n",
+            Binding::Samples => "fn set_sample(k: u32, value: vec4<f32>) { set_samples_words(k, bitcast<vec4<u32>>(value)); }\n",
             Binding::Bodies => {
                 "fn start_body(i: u32, given: BodyInputRecord) {
     bodies[i].inverse_mass = given.inverse_mass;

@@ -74,7 +74,7 @@ fn a_channel_that_repeats_itself_with_a_viscous_fluid_gives_the_forces_of_the_re
         check(&FluidScene { settings, ..channel() });
     }
     for (patch, index) in [
-        (("sample_viscous_weight(k) * slope", "sample_viscous_weight(k) * slope * 1.01"), 2),
+        (("sample.viscous_weight * slope", "sample.viscous_weight * slope * 1.01"), 2),
         (("- exchange * velocity", "- 1.002 * exchange * velocity"), 2),
         (("gap /= fields::parameters.cells_per_radius.yz", "gap *= 2.0"), 0),
         (("round(x * fields::parameters.inverse_period)", "round(0.6 * x * fields::parameters.inverse_period)"), 0),

@@ -30,15 +30,15 @@ fn check_bytes(solver: &GpuSolver, neighbours: NeighbourMemory) {
     // State 32, sorted position and velocity 16 each, in textures of rows of 512; acceleration 16, density and pressure term
     // 8, life and slot 4 each.
     let capacity = u64::from(schedule.capacity);
-    let texels = if neighbours == NeighbourMemory::Textures { capacity.next_multiple_of(512) } else { capacity };
-    let per_particle = texels * 2 * 16 + capacity * (32 + 16 + 8 + 2 * 4);
+    let texels = |count: u64| if neighbours == NeighbourMemory::Textures { count.next_multiple_of(512) } else { count };
+    let per_particle = texels(capacity) * 2 * 16 + capacity * (32 + 16 + 8 + 2 * 4);
     // Counts of particles and bodies; starts of particles, walls and bodies, and the totals of blocks of 1024 cells.
     let cells = 4 * (section * (2 + with_walls + 2 * with_bodies) + section.div_ceil(1024));
     let growing: u64 = schedule.buffers.iter().filter(|buffer| buffer.per_particle).map(|buffer| buffer.bytes).sum();
     assert_eq!(growing, per_particle + cells, "{schedule}");
     let bytes =
         |name: &str| schedule.buffers.iter().find(|buffer| buffer.name == name).map_or(0, |buffer| buffer.bytes);
-    assert_eq!(bytes("samples"), 16 * (walls + samples));
+    assert_eq!(bytes("samples"), 16 * texels(walls + samples));
     // A ring of eight reports: what control and bodies hold.
     assert_eq!(bytes("report_staging"), 8 * (bytes("control") + bytes("bodies")));
 }
@@ -124,6 +124,12 @@ fn limits_and_options_out_of_reach_are_named() {
     )
     .unwrap_err();
     assert!(error.to_string().contains("workgroup_size: 48"), "{error}");
+
+    let patch = Some(("what no shader says", ""));
+    let plan = Plan::new(&dam_break(0.05)).unwrap();
+    let options = GpuOptions { patch, ..Default::default() };
+    let error = GpuSolver::new(&device().device, &device().queue, plan, options).unwrap_err();
+    assert!(error.to_string().contains("what no shader says"), "{error}");
 
     // 32 bytes a particle in a binding of 128 MiB: 4 Mi particles.
     let mut plan = Plan::new(&dam_break(0.05)).unwrap();

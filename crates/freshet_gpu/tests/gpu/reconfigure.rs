@@ -3,9 +3,9 @@
 use std::time::{Duration, Instant};
 
 use freshet_core::prelude::*;
-use freshet_gpu::{GpuOptions, GpuSolver};
+use freshet_gpu::{DeviceRequest, GpuOptions, GpuSolver, open_device};
 
-use crate::common::{dam_break, device, solver, tick};
+use crate::common::{dam_break, device, solver, tick, tick_with};
 
 fn moved(by: f32) -> FluidScene {
     let mut scene = dam_break(0.05);
@@ -121,4 +121,36 @@ fn ticks_have_numbers_below_two_to_the_63() {
     solver.restore(&last).unwrap();
     let error = solver.restore(&Snapshot { tick: u64::MAX, ..last }).unwrap_err().to_string();
     assert!(error.contains("0 to 2^63"), "{error}");
+}
+
+#[test]
+fn a_tick_that_was_prepared_is_made_before_the_plan_changes() {
+    let input = tick_with(0, 0.004, vec![Command::RemoveIds { first: 0, count: 10 }]);
+    let mut solver = solver(&dam_break(0.05));
+    solver.prepare(&device().queue, &input).unwrap();
+    solver.reconfigure(Plan::new(&moved(0.002)).unwrap()).unwrap();
+    let reports = solver.collect(&device().device).unwrap();
+    assert_eq!(reports.iter().map(|report| (report.tick, report.particles)).collect::<Vec<_>>(), [(0, 990)]);
+
+    let mut stepped = crate::common::solver(&dam_break(0.05));
+    stepped.step(&input).unwrap();
+    assert!(solver.snapshot().unwrap() == stepped.snapshot().unwrap());
+}
+
+#[test]
+fn a_device_that_is_lost_is_an_error_whatever_is_asked() {
+    let opened = open_device(DeviceRequest::default()).unwrap();
+    let plan = Plan::new(&dam_break(0.05)).unwrap();
+    let mut solver = GpuSolver::new(&opened.device, &opened.queue, plan.clone(), GpuOptions::default()).unwrap();
+    solver.step(&tick(0, 0.004)).unwrap();
+    opened.device.destroy();
+    let errors = [
+        solver.step(&tick(1, 0.004)).map(|_| ()),
+        solver.read(Field::Density).map(|_| ()),
+        solver.snapshot().map(|_| ()),
+        solver.reconfigure(plan),
+    ];
+    for error in errors {
+        assert!(matches!(error, Err(SolverError::Device(_))), "{error:?}");
+    }
 }
