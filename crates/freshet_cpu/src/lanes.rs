@@ -24,25 +24,58 @@ pub fn sum_vector<S: Simd>(simd: S, [x, y, z]: [S::f32s; 3]) -> Vec3 {
     Vec3::new(simd.reduce_sum_f32s(x), simd.reduce_sum_f32s(y), simd.reduce_sum_f32s(z))
 }
 
-/// The square root of values that are not negative, to single precision.
-///
-/// With AVX-512 the reciprocal estimate and one Newton step: the exact instruction takes twelve cycles and would be
-/// the longest part of a pair. Estimates differ between makers of processors in the last bit.
+/// The square of a vector's length, and of one of length zero the smallest number that roots and quotients take.
 #[inline(always)]
-pub fn sqrt<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(avx512) = avx512(simd) {
-        let x = simd.max_f32s(x, simd.splat_f32s(1e-30));
-        let y: S::f32s = bytemuck::cast(avx512.avx512f._mm512_rsqrt14_ps(bytemuck::cast(x)));
-        // sqrt(x) = x y (3 - x y^2) / 2
-        let root = simd.mul_f32s(x, y);
-        let step = simd.mul_add_f32s(simd.mul_f32s(root, y), simd.splat_f32s(-0.5), simd.splat_f32s(1.5));
-        return simd.mul_f32s(root, step);
-    }
-    simd.sqrt_f32s(x)
+pub fn squared_length<S: Simd>(simd: S, [x, y, z]: [S::f32s; 3]) -> S::f32s {
+    let tiny = simd.splat_f32s(1e-30);
+    simd.mul_add_f32s(z, z, simd.mul_add_f32s(y, y, simd.mul_add_f32s(x, x, tiny)))
 }
 
-/// A quotient to single precision, by an estimate and one Newton step with AVX-512; see [`sqrt`].
+/// A factor times the square root of positive values, to single precision.
+///
+/// With AVX-512 the reciprocal estimate and one Newton step, which takes in the factor: the exact instruction takes twelve
+/// cycles and would be the longest part of a pair. Estimates differ between makers of processors in the last bit.
+#[derive(Clone, Copy)]
+pub struct ScaledRoot<S: Simd> {
+    factor: S::f32s,
+    steps: [S::f32s; 2],
+}
+
+impl<S: Simd> ScaledRoot<S> {
+    /// With a factor.
+    #[inline(always)]
+    pub fn new(simd: S, factor: f32) -> Self {
+        Self { factor: simd.splat_f32s(factor), steps: [simd.splat_f32s(-0.5 * factor), simd.splat_f32s(1.5 * factor)] }
+    }
+
+    /// Of some values.
+    #[inline(always)]
+    pub fn of(self, simd: S, x: S::f32s) -> S::f32s {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx512) = avx512(simd) {
+            let y: S::f32s = bytemuck::cast(avx512.avx512f._mm512_rsqrt14_ps(bytemuck::cast(x)));
+            // f sqrt(x) = x y (3 - x y^2) f / 2
+            let root = simd.mul_f32s(x, y);
+            let step = simd.mul_add_f32s(simd.mul_f32s(root, y), self.steps[0], self.steps[1]);
+            return simd.mul_f32s(root, step);
+        }
+        simd.mul_f32s(simd.sqrt_f32s(x), self.factor)
+    }
+}
+
+/// `from` minus a quotient, that to single precision by an estimate and one Newton step with AVX-512; see [`ScaledRoot`].
+#[inline(always)]
+pub fn minus_quotient<S: Simd>(simd: S, from: S::f32s, numerator: S::f32s, divisor: S::f32s) -> S::f32s {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = avx512(simd) {
+        let y: S::f32s = bytemuck::cast(avx512.avx512f._mm512_rcp14_ps(bytemuck::cast(divisor)));
+        let step = simd.negate_mul_add_f32s(divisor, y, simd.splat_f32s(2.0));
+        return simd.negate_mul_add_f32s(simd.mul_f32s(numerator, y), step, from);
+    }
+    simd.sub_f32s(from, simd.div_f32s(numerator, divisor))
+}
+
+/// A quotient, as in [`minus_quotient`].
 #[inline(always)]
 pub fn divide<S: Simd>(simd: S, numerator: S::f32s, divisor: S::f32s) -> S::f32s {
     #[cfg(target_arch = "x86_64")]

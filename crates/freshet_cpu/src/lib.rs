@@ -4,6 +4,7 @@
 //! [`CpuSolver`] executes a [`Plan`](freshet_core::plan::Plan); each stage is a file in `passes`, with the formulas of
 //! `docs/substep.md`.
 
+mod candidates;
 mod lanes;
 mod neighbours;
 mod packed;

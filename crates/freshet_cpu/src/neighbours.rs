@@ -62,12 +62,6 @@ impl Rows {
     pub fn wraps(&self) -> &[[i8; 3]] {
         &self.wraps[..self.len]
     }
-
-    /// Whether there is none.
-    #[inline(always)]
-    pub fn is_empty(&self) -> bool {
-        self.len == 0
-    }
 }
 
 /// A cell's wrapped coordinate after a step of -1, 0 or 1, and how often that wrapped.

@@ -1,71 +1,24 @@
-//! The candidates around a cell, packed: all particles of a cell share them.
+//! Candidates packed: all particles of a cell share them.
 //!
-//! A particle has about 30 neighbours among about 216 candidates in nine short ranges. Those that no particle of the cell can
-//! reach are left out, about half of them in water at rest; packing what remains once for a cell and then taking the cell's
-//! particles in the innermost loop fills every lane, loads each candidate once for all of them and leaves no loop with a
-//! length the processor cannot predict.
-
-use std::ops::Range;
+//! Packing them once for a cell and then taking the cell's particles in the innermost loop fills every lane, loads each
+//! candidate once for all of them and leaves no loop with a length the processor cannot predict.
 
 use freshet_core::grid::Grid;
 use pulp::Simd;
 
+use crate::candidates::Stretch;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::avx512;
 use crate::lanes::{PADDING, load, store};
-use crate::neighbours::Rows;
-
-/// What is within reach of at least one corner, edge or face of the box around some particles.
-#[derive(Clone, Copy, Debug)]
-pub struct Near {
-    low: [f32; 3],
-    high: [f32; 3],
-    squared_reach: f32,
-}
-
-impl Near {
-    /// Around the particles of `range`, of which there is at least one.
-    #[inline(always)]
-    pub fn around(position: [&[f32]; 3], range: Range<usize>, reach: f32) -> Self {
-        let mut near = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3], squared_reach: reach * reach };
-        for (axis, values) in position.iter().enumerate() {
-            for &value in &values[range.clone()] {
-                near.low[axis] = near.low[axis].min(value);
-                near.high[axis] = near.high[axis].max(value);
-            }
-        }
-        near
-    }
-
-    /// The box, moved.
-    #[inline(always)]
-    fn moved(mut self, by: [f32; 3]) -> Self {
-        for ((low, high), by) in self.low.iter_mut().zip(&mut self.high).zip(by) {
-            *low += by;
-            *high += by;
-        }
-        self
-    }
-
-    /// The square of the distance from the box.
-    #[inline(always)]
-    fn squared_gap<S: Simd>(&self, simd: S, position: [S::f32s; 3]) -> S::f32s {
-        let mut squared = simd.splat_f32s(0.0);
-        for (axis, &value) in position.iter().enumerate() {
-            let below = simd.sub_f32s(simd.splat_f32s(self.low[axis]), value);
-            let above = simd.sub_f32s(value, simd.splat_f32s(self.high[axis]));
-            let gap = simd.max_f32s(simd.max_f32s(below, above), simd.splat_f32s(0.0));
-            squared = simd.mul_add_f32s(gap, gap, squared);
-        }
-        squared
-    }
-}
 
 /// `N` quantities of the candidates around a cell; the first three are the position.
 pub struct Packed<const N: usize> {
-    values: [Vec<f32>; N],
-    chosen: Vec<u32>,
+    /// A run of `room` values of each quantity.
+    values: Vec<f32>,
+    room: usize,
     len: usize,
+    /// Support radius, m.
+    reach: f32,
     /// Lengths of the domain's periods, m; zero along axes that do not repeat.
     periods: [f32; 3],
 }
@@ -73,8 +26,7 @@ pub struct Packed<const N: usize> {
 impl<const N: usize> Packed<N> {
     /// Without candidates, for a grid.
     pub fn new(grid: &Grid) -> Self {
-        let values = std::array::from_fn(|_| Vec::new());
-        Self { values, chosen: Vec::new(), len: 0, periods: grid.periodic.lengths().into() }
+        Self { values: Vec::new(), room: 0, len: 0, reach: grid.cell_size, periods: grid.periodic.lengths().into() }
     }
 
     /// Number of candidates.
@@ -82,21 +34,22 @@ impl<const N: usize> Packed<N> {
         self.len
     }
 
-    /// Copies what is `near` of the ranges of `sources`, in order; the last lanes are filled up with particles far away. Ranges
-    /// beyond the end of a period are copied as their nearest images.
+    /// Copies candidates from `sources`, in order; the last lanes are filled up with particles far away from `x`, where one of
+    /// the cell's particles is. Images of a domain that repeats itself are copied to where they are seen.
     #[inline(always)]
-    pub fn pack<S: Simd>(&mut self, simd: S, rows: &Rows, near: &Near, sources: [&[f32]; N]) {
-        let total: usize = rows.all().iter().map(|&(start, end)| (end - start) as usize).sum();
-        if self.values[0].len() < total + 2 * PADDING {
-            for values in &mut self.values {
-                values.resize(2 * total + 2 * PADDING, 0.0);
-            }
-            self.chosen.resize(2 * total + 2 * PADDING, 0);
+    pub fn pack<S: Simd>(&mut self, simd: S, stretches: &[Stretch], sources: [&[f32]; N], x: f32) {
+        let most = S::F32_LANES * stretches.len() + 2 * PADDING;
+        if self.room < most {
+            self.room = 2 * most;
+            self.values.resize(N * self.room, 0.0);
         }
-        self.len = self.copy(simd, rows, near, &sources);
+        self.len = self.copy(simd, stretches, sources);
+        if self.periods != [0.0; 3] {
+            self.shift_images(stretches);
+        }
         // Beyond the kernel's support along x; finite, so that factors of zero stay zero.
-        let far = near.high[0] + 100.0 * near.squared_reach.sqrt();
-        for (axis, values) in self.values.iter_mut().enumerate() {
+        let far = x + 100.0 * self.reach;
+        for (axis, values) in self.values.chunks_exact_mut(self.room).enumerate() {
             let filler = if axis == 0 { far } else { 1.0 };
             store::<S>(values, self.len, simd.splat_f32s(filler));
         }
@@ -104,66 +57,55 @@ impl<const N: usize> Packed<N> {
 
     /// Returns the number of candidates copied.
     #[inline(always)]
-    fn copy<S: Simd>(&mut self, simd: S, rows: &Rows, near: &Near, sources: &[&[f32]; N]) -> usize {
-        // Asked once a row: a copy of all this for either answer would be one for every kernel and instruction set.
-        let is_periodic = self.periods != [0.0; 3];
-        let limit = simd.splat_f32s(near.squared_reach);
+    fn copy<S: Simd>(&mut self, simd: S, stretches: &[Stretch], sources: [&[f32]; N]) -> usize {
+        // Of one length, so that it is compared once for all of them.
+        let mut cut = sources;
+        for source in &mut cut {
+            *source = &source[..sources[0].len()];
+        }
+        let sources = cut;
         let mut at = 0;
-        let mut ends = [0; 18];
-        for (row, &(start, end)) in rows.all().iter().enumerate() {
-            let near = if is_periodic { near.moved(self.shift(rows.wraps()[row], -1.0)) } else { *near };
-            let (mut first, end) = (start as usize, end as usize);
-            while first < end {
-                let [x, y, z] = [sources[0], sources[1], sources[2]];
-                let position = [load::<S>(x, first), load::<S>(y, first), load::<S>(z, first)];
-                let squared = near.squared_gap(simd, position);
-                #[cfg(target_arch = "x86_64")]
-                if let Some(avx512) = avx512(simd) {
-                    let all = u16::MAX >> (16 - (end - first).min(16));
-                    let near = avx512.avx512f._mm512_cmple_ps_mask(bytemuck::cast(squared), bytemuck::cast(limit));
-                    let kept = near & all;
-                    // What is stored beyond the kept is overwritten by the next.
-                    for (values, source) in self.values.iter_mut().zip(sources) {
-                        let value = bytemuck::cast(load::<S>(source, first));
-                        let kept = avx512.avx512f._mm512_maskz_compress_ps(kept, value);
-                        store::<S>(values, at, bytemuck::cast(kept));
-                    }
-                    at += kept.count_ones() as usize;
-                    first += S::F32_LANES;
-                    continue;
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx512) = avx512(simd) {
+            let places = bytemuck::cast([0u32, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]);
+            for stretch in stretches {
+                // One permutation for all quantities: to compress each takes twice as long. What is stored beyond the kept is
+                // overwritten by the next.
+                let order = avx512.avx512f._mm512_maskz_compress_epi32(stretch.kept, places);
+                for (values, source) in self.values.chunks_exact_mut(self.room).zip(sources) {
+                    let value = bytemuck::cast(load::<S>(source, stretch.first as usize));
+                    let kept = avx512.avx512f._mm512_permutexvar_ps(order, value);
+                    store::<S>(values, at, bytemuck::cast(kept));
                 }
-                let mut gaps = [0.0f32; PADDING];
-                store::<S>(&mut gaps, 0, squared);
-                for (i, &gap) in (first..end).zip(&gaps[..S::F32_LANES]) {
-                    self.chosen[at] = i as u32;
-                    at += usize::from(gap <= near.squared_reach);
-                }
-                first += S::F32_LANES;
+                at += stretch.kept.count_ones() as usize;
             }
-            ends[row] = at;
+            return at;
         }
-        if !is_avx512(simd) {
-            for (values, source) in self.values.iter_mut().zip(sources) {
-                for (value, &i) in values.iter_mut().zip(&self.chosen[..at]) {
-                    *value = source[i as usize];
+        for stretch in stretches {
+            let mut kept = stretch.kept;
+            while kept != 0 {
+                let i = stretch.first as usize + kept.trailing_zeros() as usize;
+                for (values, source) in self.values.chunks_exact_mut(self.room).zip(sources) {
+                    values[at] = source[i];
                 }
+                at += 1;
+                kept &= kept - 1;
             }
-        }
-        if is_periodic {
-            self.shift_images(rows, &ends);
         }
         at
     }
 
-    /// Moves the ranges beyond the end of a period to where they are seen; `ends` is one past the last candidate of each.
-    fn shift_images(&mut self, rows: &Rows, ends: &[usize; 18]) {
+    /// Moves candidates beyond the end of a period to where they are seen.
+    fn shift_images(&mut self, stretches: &[Stretch]) {
         let mut first = 0;
-        for (wraps, &end) in rows.wraps().iter().zip(ends) {
-            let shift = self.shift(*wraps, 1.0);
-            for (values, shift) in self.values.iter_mut().zip(shift) {
-                if shift != 0.0 {
+        for stretch in stretches {
+            let end = first + stretch.kept.count_ones() as usize;
+            for ((values, period), wraps) in
+                self.values.chunks_exact_mut(self.room).zip(self.periods).zip(stretch.wraps())
+            {
+                if period * wraps != 0.0 {
                     for value in &mut values[first..end] {
-                        *value += shift;
+                        *value += period * wraps;
                     }
                 }
             }
@@ -171,36 +113,15 @@ impl<const N: usize> Packed<N> {
         }
     }
 
-    #[inline(always)]
-    fn shift(&self, wraps: [i8; 3], sign: f32) -> [f32; 3] {
-        let mut shift = self.periods;
-        for (length, wraps) in shift.iter_mut().zip(wraps) {
-            *length *= sign * f32::from(wraps);
-        }
-        shift
-    }
-
     /// Lanes of candidates from `first` on.
     #[inline(always)]
     pub fn lanes<S: Simd>(&self, first: usize) -> [S::f32s; N] {
-        let mut lanes = [load::<S>(&self.values[0], first); N];
-        for (lanes, values) in lanes.iter_mut().zip(&self.values) {
+        let mut lanes = [load::<S>(&self.values, first); N];
+        for (lanes, values) in lanes.iter_mut().zip(self.values.chunks_exact(self.room)) {
             *lanes = load::<S>(values, first);
         }
         lanes
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-fn is_avx512<S: Simd>(simd: S) -> bool {
-    avx512(simd).is_some()
-}
-
-#[cfg(not(target_arch = "x86_64"))]
-#[inline(always)]
-fn is_avx512<S: Simd>(_: S) -> bool {
-    false
 }
 
 #[cfg(test)]
@@ -209,6 +130,8 @@ mod tests {
     use pulp::{Arch, WithSimd};
 
     use super::*;
+    use crate::candidates::{Candidates, Near};
+    use crate::neighbours::Rows;
     use crate::samples::SortedSamples;
 
     struct Pack<'a>(&'a SortedSamples, &'a Rows, Near, &'a Grid);
@@ -219,10 +142,12 @@ mod tests {
         fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
             let mut packed = Packed::<4>::new(self.3);
             let [x, y, z] = &self.0.position;
-            packed.pack(simd, self.1, &self.2, [x, y, z, &self.0.volume]);
+            let mut candidates = Candidates::default();
+            let stretches = candidates.add(simd, self.3, self.1, &self.2, [x, y, z]);
+            packed.pack(simd, stretches, [x, y, z, &self.0.volume], 3.0);
             let last = packed.lanes::<S>(packed.len());
-            assert!(simd.reduce_min_f32s(last[0]) > self.2.high[0] + 10.0 * self.2.squared_reach.sqrt());
-            (0..packed.len()).map(|i| [0, 1, 2, 3].map(|k: usize| packed.values[k][i])).collect()
+            assert!(simd.reduce_min_f32s(last[0]) > 6.0 + 10.0 * self.3.cell_size);
+            (0..packed.len()).map(|i| [0, 1, 2, 3].map(|k: usize| packed.values[k * packed.room + i])).collect()
         }
     }
 

@@ -11,6 +11,7 @@ use freshet_core::solver::{FluidSolver, Schedule, SolverError};
 use freshet_core::step::{PassTime, StepInput, StepReport};
 use glam::Vec3;
 
+use crate::candidates::Candidates;
 use crate::lanes::PADDING;
 use crate::particles::Particles;
 use crate::passes::acceleration::Maxima;
@@ -54,6 +55,8 @@ pub struct CpuSolver {
     particles: Particles,
     scratch: Particles,
     sorter: Sorter,
+    /// Of each chunk, from the density pass to the acceleration pass.
+    candidates: Vec<Candidates>,
     density: Vec<f32>,
     pressure_term: Vec<f32>,
     acceleration: [Vec<f32>; 3],
@@ -120,6 +123,7 @@ impl CpuSolver {
             particles,
             scratch: Particles::default(),
             sorter: Sorter::default(),
+            candidates: Vec::new(),
             density: Vec::new(),
             pressure_term: Vec::new(),
             acceleration: Default::default(),
@@ -173,11 +177,14 @@ impl CpuSolver {
         let stage = real(std::slice::from_ref(&self.density))
             + real(std::slice::from_ref(&self.pressure_term))
             + real(&self.acceleration);
+        let lists = (size_of::<Candidates>() * self.candidates.capacity()) as u64;
+        let candidates = lists + self.candidates.iter().map(Candidates::bytes).sum::<u64>();
         self.schedule.buffers = vec![
             schedule::buffer("particles", self.particles.bytes(), true),
             schedule::buffer("particles_sorted", self.scratch.bytes(), true),
             schedule::buffer("stage_fields", stage, true),
             schedule::buffer("sort", self.sorter.bytes(), true),
+            schedule::buffer("candidates", candidates, true),
         ];
         if !self.walls.is_empty() {
             self.schedule.buffers.push(schedule::buffer("walls", self.walls.bytes(), false));
@@ -317,7 +324,8 @@ impl CpuSolver {
     fn sort(&mut self) -> Dropped {
         let parameters = &self.plan.parameters;
         let bounds = [parameters.bounds_min, parameters.bounds_max];
-        let gone = self.sorter.sort(&self.workers, &self.plan.grid, bounds, &mut self.particles, &mut self.scratch);
+        let gone =
+            self.sorter.sort(&self.workers, self.arch, &self.plan.grid, bounds, &mut self.particles, &mut self.scratch);
         let padded = self.particles.len + PADDING;
         for values in [&mut self.density, &mut self.pressure_term].into_iter().chain(&mut self.acceleration) {
             values.resize(padded, 0.0);
@@ -342,14 +350,22 @@ impl CpuSolver {
             rest_density: parameters.rest_density,
         };
         let live = self.particles.len;
+        self.candidates.resize_with(self.sorter.chunks.len(), Candidates::default);
         let densities = split(&mut self.density[..live], &self.sorter.chunks);
         let terms = split(&mut self.pressure_term[..live], &self.sorter.chunks);
         let tasks: Vec<_> = self
             .sorter
             .chunks
             .iter()
+            .zip(&mut self.candidates)
             .zip(densities.into_iter().zip(terms))
-            .map(|(chunk, (density, pressure_term))| density::Task { inputs, chunk, density, pressure_term })
+            .map(|((chunk, candidates), (density, pressure_term))| density::Task {
+                inputs,
+                chunk,
+                candidates,
+                density,
+                pressure_term,
+            })
             .collect();
         let kernel = parameters.kernel;
         let parts = self.workers.map(tasks, |task| dispatch(kernel, task));
@@ -393,8 +409,14 @@ impl CpuSolver {
             .sorter
             .chunks
             .iter()
+            .zip(&self.candidates)
             .zip(x.zip(y).zip(z))
-            .map(|(chunk, ((x, y), z))| acceleration::Task { inputs, chunk, acceleration: [x, y, z] })
+            .map(|((chunk, candidates), ((x, y), z))| acceleration::Task {
+                inputs,
+                chunk,
+                candidates,
+                acceleration: [x, y, z],
+            })
             .collect();
         let kernel = parameters.kernel;
         let parts = self.workers.map(tasks, |task| dispatch(kernel, task));

@@ -11,9 +11,9 @@ use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::morris1997::{self, Viscosity};
-use crate::lanes::{Sums, divide, sqrt, sum_vector};
-use crate::neighbours::Rows;
-use crate::packed::{Near, Packed};
+use crate::candidates::Candidates;
+use crate::lanes::{ScaledRoot, Sums, minus_quotient, squared_length, sum_vector};
+use crate::packed::Packed;
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
@@ -56,6 +56,8 @@ pub struct Task<'a> {
     pub inputs: Inputs<'a>,
     /// Cells and particles.
     pub chunk: &'a Chunk,
+    /// Their candidates, as the density pass found them.
+    pub candidates: &'a Candidates,
     /// Result, m/s2.
     pub acceleration: [&'a mut [f32]; 3],
 }
@@ -89,7 +91,7 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for T
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Maxima {
-        let Task { inputs, chunk, acceleration: [ax, ay, az] } = self.0;
+        let Task { inputs, chunk, candidates, acceleration: [ax, ay, az] } = self.0;
         let ([x, y, z], [vx, vy, vz]) = (&inputs.particles.position, &inputs.particles.velocity);
         let mut calm = Packed::<4>::new(inputs.grid);
         let mut dragging = Packed::<5>::new(inputs.grid);
@@ -98,48 +100,49 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for T
         let (mut sums, mut wall_sums) = (Sums::default(), Sums::default());
         let pairs = Pairs::new(simd, &inputs);
         let mut maxima = Maxima::default();
+        let mut lists = candidates.lists();
         for cell in chunk.cells.clone() {
             let range = inputs.starts[cell] as usize..inputs.starts[cell + 1] as usize;
             if range.is_empty() {
                 continue;
             }
-            let near = Near::around([x, y, z], range.clone(), inputs.grid.cell_size);
             let own = Own::new(&inputs, &range);
+            let at = own.position[0][0];
             let (sums, _) = sums.zeroed::<S>(3 * range.len()).as_chunks_mut::<3>();
-            let rows = Rows::around(inputs.grid, inputs.starts, cell);
+            let list = lists.next().unwrap_or_default();
             if ARTIFICIAL || PHYSICAL {
                 let sources = [x, y, z, inputs.pressure_term, vx, vy, vz, inputs.density];
-                viscous.pack(simd, &rows, &near, sources);
+                viscous.pack(simd, list, sources, at);
                 // Beside a physical viscosity the artificial one is a question once a pair instead of code of its own.
                 let is_artificial = ARTIFICIAL || inputs.viscosity > 0.0;
                 add_viscous_fluid::<S, K, PHYSICAL>(simd, pairs, own, &viscous, is_artificial, sums);
             } else {
-                calm.pack(simd, &rows, &near, [x, y, z, inputs.pressure_term]);
+                calm.pack(simd, list, [x, y, z, inputs.pressure_term], at);
                 add_fluid::<S, K>(simd, pairs, own, &calm, sums);
             }
             let stuck = if PHYSICAL { 7 * range.len() } else { 0 };
             let (wall_sums, _) = wall_sums.zeroed::<S>(stuck).as_chunks_mut::<7>();
             for samples in inputs.samples {
-                let rows = Rows::around(inputs.grid, &samples.starts, cell);
-                if rows.is_empty() {
+                let list = lists.next().unwrap_or_default();
+                if list.is_empty() {
                     continue;
                 }
                 let [x, y, z] = &samples.position;
                 if PHYSICAL && samples.drags() {
                     let [u, v, w] = samples.velocity();
-                    sticking.pack(simd, &rows, &near, [x, y, z, &samples.viscous_volume, u, v, w]);
+                    sticking.pack(simd, list, [x, y, z, &samples.viscous_volume, u, v, w], at);
                     morris1997::add_walls::<S, K>(simd, pairs, own, &sticking, wall_sums);
                 }
                 if ARTIFICIAL && samples.drags() {
-                    dragging.pack(simd, &rows, &near, [x, y, z, &samples.volume, &samples.viscous_volume]);
+                    dragging.pack(simd, list, [x, y, z, &samples.volume, &samples.viscous_volume], at);
                     add_viscous_samples::<S, K>(simd, pairs, own, &dragging, sums);
                 } else {
-                    calm.pack(simd, &rows, &near, [x, y, z, &samples.volume]);
+                    calm.pack(simd, list, [x, y, z, &samples.volume], at);
                     add_samples::<S, K>(simd, pairs, own, &calm, sums);
                 }
             }
             for (i, &sum) in range.clone().zip(&*sums) {
-                let mut value = inputs.gravity + sum_vector(simd, sum);
+                let mut value = inputs.gravity + inputs.fluid_factor * sum_vector(simd, sum);
                 if PHYSICAL && let Some(viscosity) = inputs.physical {
                     let (walls, velocity) = (&wall_sums[i - range.start], inputs.particles.velocity_of(i));
                     value += morris1997::wall_drag(simd, walls, viscosity, velocity, inputs.density[i]);
@@ -191,7 +194,7 @@ impl<'a> Own<'a> {
     }
 }
 
-/// `-m A/(G H^5) sum_b (P_a + P_b + Pi_ab) f'(q)/q x_ab` over the fluid, for each of a cell's particles, and Morris' viscosity.
+/// `sum_b (P_a + P_b + Pi_ab) f'(q)/q x_ab` over the fluid, for each of a cell's particles, and Morris' viscosity.
 #[inline(always)]
 fn add_viscous_fluid<S: Simd, K: SimdKernel, const PHYSICAL: bool>(
     simd: S,
@@ -218,9 +221,9 @@ fn add_viscous_fluid<S: Simd, K: SimdKernel, const PHYSICAL: bool>(
                 let numerator = simd.mul_f32s(pairs.viscosity, approach);
                 let densities = simd.add_f32s(own_density, density);
                 let divisor = simd.mul_f32s(simd.add_f32s(squared, pairs.softening), densities);
-                strength = simd.sub_f32s(strength, divide(simd, numerator, divisor));
+                strength = minus_quotient(simd, strength, numerator, divisor);
             }
-            let slope = simd.mul_f32s(pairs.fluid_factor, pairs.slope::<K>(simd, squared));
+            let slope = pairs.slope::<K>(simd, squared);
             if PHYSICAL {
                 morris1997::add_pair(simd, pairs, [squared, slope], [own_density, density], [du, dv, dw], sum);
             }
@@ -239,20 +242,20 @@ fn add_fluid<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: &P
         for (sum, position, own_term) in own.with(sums) {
             let (difference, squared) = difference(simd, position, [x, y, z]);
             let pressure = simd.add_f32s(simd.splat_f32s(own_term), term);
-            let slope = simd.mul_f32s(pairs.fluid_factor, pairs.slope::<K>(simd, squared));
+            let slope = pairs.slope::<K>(simd, squared);
             add(simd, sum, simd.mul_f32s(pressure, slope), difference);
         }
         first += S::F32_LANES;
     }
 }
 
-/// `-rho0 A/(G H^5) P_a sum_k V_k f'(q)/q x_ak` over walls or bodies, for each of a cell's particles.
+/// `rho0/m P_a sum_k V_k f'(q)/q x_ak` over walls or bodies, for each of a cell's particles.
 #[inline(always)]
 fn add_samples<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: &Packed<4>, sums: &mut [[S::f32s; 3]]) {
     let mut first = 0;
     while first < all.len() {
         let [x, y, z, volume] = all.lanes::<S>(first);
-        let weight = simd.mul_f32s(pairs.sample_factor, volume);
+        let weight = simd.mul_f32s(pairs.relative_factor, volume);
         for (sum, position, own_term) in own.with(sums) {
             let (difference, squared) = difference(simd, position, [x, y, z]);
             let pressure = simd.mul_f32s(weight, simd.splat_f32s(own_term));
@@ -262,7 +265,7 @@ fn add_samples<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: 
     }
 }
 
-/// `-rho0 A/(G H^5) sum_k V_k (P_a + Pi_ak) f'(q)/q x_ak` over walls that do not move, for each of a cell's particles.
+/// `rho0/m sum_k V_k (P_a + Pi_ak) f'(q)/q x_ak` over walls that do not move, for each of a cell's particles.
 #[inline(always)]
 fn add_viscous_samples<S: Simd, K: SimdKernel>(
     simd: S,
@@ -275,8 +278,8 @@ fn add_viscous_samples<S: Simd, K: SimdKernel>(
     let mut first = 0;
     while first < all.len() {
         let [x, y, z, volume, viscous_volume] = all.lanes::<S>(first);
-        let weight = simd.mul_f32s(pairs.sample_factor, volume);
-        let viscous_weight = simd.mul_f32s(simd.mul_f32s(pairs.sample_factor, viscous_volume), pairs.viscosity);
+        let weight = simd.mul_f32s(pairs.relative_factor, volume);
+        let viscous_weight = simd.mul_f32s(simd.mul_f32s(pairs.relative_factor, viscous_volume), pairs.viscosity);
         let motions = vx.iter().zip(vy).zip(vz).zip(own.density);
         for ((sum, position, own_term), (((&u, &v), &w), &own_density)) in own.with(sums).zip(motions) {
             let ([dx, dy, dz], squared) = difference(simd, position, [x, y, z]);
@@ -284,10 +287,9 @@ fn add_viscous_samples<S: Simd, K: SimdKernel>(
             let approach = simd.mul_add_f32s(simd.splat_f32s(v), dy, approach);
             let approach = simd.mul_add_f32s(simd.splat_f32s(w), dz, approach);
             let divisor = simd.mul_f32s(simd.add_f32s(squared, pairs.softening), simd.splat_f32s(2.0 * own_density));
-            let drag = divide(simd, simd.mul_f32s(viscous_weight, approach), divisor);
             let pressure = simd.mul_f32s(weight, simd.splat_f32s(own_term));
-            let slope = pairs.slope::<K>(simd, squared);
-            add(simd, sum, simd.mul_f32s(simd.sub_f32s(pressure, drag), slope), [dx, dy, dz]);
+            let strength = minus_quotient(simd, pressure, simd.mul_f32s(viscous_weight, approach), divisor);
+            add(simd, sum, simd.mul_f32s(strength, pairs.slope::<K>(simd, squared)), [dx, dy, dz]);
         }
         first += S::F32_LANES;
     }
@@ -296,10 +298,12 @@ fn add_viscous_samples<S: Simd, K: SimdKernel>(
 /// Constants of the innermost loop, in registers: read through a reference they would be read again for every pair.
 #[derive(Clone, Copy)]
 pub struct Pairs<S: Simd> {
-    inverse_radius: S::f32s,
-    fluid_factor: S::f32s,
+    /// Distances over the support radius.
+    in_radii: ScaledRoot<S>,
     /// See [`Inputs::sample_factor`].
     pub sample_factor: S::f32s,
+    /// The same in units of the fluid's factor, by which sums are multiplied at the end.
+    relative_factor: S::f32s,
     viscosity: S::f32s,
     /// See [`Viscosity::of_pairs`].
     pub physical: S::f32s,
@@ -311,9 +315,9 @@ impl<S: Simd> Pairs<S> {
     #[inline(always)]
     fn new(simd: S, inputs: &Inputs) -> Self {
         Self {
-            inverse_radius: simd.splat_f32s(1.0 / inputs.grid.cell_size),
-            fluid_factor: simd.splat_f32s(inputs.fluid_factor),
+            in_radii: ScaledRoot::new(simd, 1.0 / inputs.grid.cell_size),
             sample_factor: simd.splat_f32s(inputs.sample_factor),
+            relative_factor: simd.splat_f32s(inputs.sample_factor / inputs.fluid_factor),
             viscosity: simd.splat_f32s(inputs.viscosity),
             physical: simd.splat_f32s(inputs.physical.map_or(0.0, |viscosity| viscosity.of_pairs)),
             softening: simd.splat_f32s(inputs.softening),
@@ -323,8 +327,7 @@ impl<S: Simd> Pairs<S> {
     /// `f'(q)/q`, zero beyond the support.
     #[inline(always)]
     pub fn slope<K: SimdKernel>(self, simd: S, squared: S::f32s) -> S::f32s {
-        let q = simd.mul_f32s(sqrt(simd, squared), self.inverse_radius);
-        K::slope_over_q(simd, simd.min_f32s(q, simd.splat_f32s(1.0)))
+        K::slope_over_q(simd, simd.min_f32s(self.in_radii.of(simd, squared), simd.splat_f32s(1.0)))
     }
 }
 
@@ -334,7 +337,7 @@ pub fn difference<S: Simd>(simd: S, own: [f32; 3], other: [S::f32s; 3]) -> ([S::
     let dx = simd.sub_f32s(simd.splat_f32s(own[0]), other[0]);
     let dy = simd.sub_f32s(simd.splat_f32s(own[1]), other[1]);
     let dz = simd.sub_f32s(simd.splat_f32s(own[2]), other[2]);
-    ([dx, dy, dz], simd.mul_add_f32s(dz, dz, simd.mul_add_f32s(dy, dy, simd.mul_f32s(dx, dx))))
+    ([dx, dy, dz], squared_length(simd, [dx, dy, dz]))
 }
 
 #[inline(always)]

@@ -6,9 +6,10 @@ use freshet_core::grid::Grid;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::lanes::{sqrt, sum_vector};
+use crate::candidates::{Candidates, Near};
+use crate::lanes::{ScaledRoot, squared_length, sum_vector};
 use crate::neighbours::Rows;
-use crate::packed::{Near, Packed};
+use crate::packed::Packed;
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
@@ -52,7 +53,8 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
     fn with_simd<S: Simd>(self, simd: S) -> Vec<Vec3> {
         let task = self.0;
         let [x, y, z] = &task.particles.position;
-        let mut candidates = Packed::<4>::new(task.grid);
+        let mut candidates = Candidates::default();
+        let mut fluid = Packed::<4>::new(task.grid);
         let mut packed_cell = None;
         let mut forces = Vec::with_capacity(task.slots.1 - task.slots.0);
         for slot in task.slots.0..task.slots.1 {
@@ -63,10 +65,12 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
                 let [sx, sy, sz] = &task.samples.position;
                 let sharing = task.samples.starts[cell] as usize..task.samples.starts[cell + 1] as usize;
                 let near = Near::around([sx, sy, sz], sharing, task.grid.cell_size);
-                candidates.pack(simd, &rows, &near, [x, y, z, task.pressure_term]);
+                candidates.clear();
+                let list = candidates.add(simd, task.grid, &rows, &near, [x, y, z]);
+                fluid.pack(simd, list, [x, y, z, task.pressure_term], at.x);
                 packed_cell = Some(cell);
             }
-            let sum = sum_around::<S, K>(simd, &candidates, at, 1.0 / task.grid.cell_size);
+            let sum = sum_around::<S, K>(simd, &fluid, at, 1.0 / task.grid.cell_size);
             forces.push(task.factor * task.samples.volume[slot] * sum);
         }
         forces
@@ -76,7 +80,7 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
 /// `sum_a P_a f'(q)/q x_ak`.
 #[inline(always)]
 fn sum_around<S: Simd, K: SimdKernel>(simd: S, candidates: &Packed<4>, at: Vec3, inverse_radius: f32) -> Vec3 {
-    let (inverse_radius, one) = (simd.splat_f32s(inverse_radius), simd.splat_f32s(1.0));
+    let (in_radii, one) = (ScaledRoot::new(simd, inverse_radius), simd.splat_f32s(1.0));
     let mut sum = [simd.splat_f32s(0.0); 3];
     let mut first = 0;
     while first < candidates.len() {
@@ -84,8 +88,7 @@ fn sum_around<S: Simd, K: SimdKernel>(simd: S, candidates: &Packed<4>, at: Vec3,
         let dx = simd.sub_f32s(x, simd.splat_f32s(at.x));
         let dy = simd.sub_f32s(y, simd.splat_f32s(at.y));
         let dz = simd.sub_f32s(z, simd.splat_f32s(at.z));
-        let squared = simd.mul_add_f32s(dz, dz, simd.mul_add_f32s(dy, dy, simd.mul_f32s(dx, dx)));
-        let q = simd.min_f32s(simd.mul_f32s(sqrt(simd, squared), inverse_radius), one);
+        let q = simd.min_f32s(in_radii.of(simd, squared_length(simd, [dx, dy, dz])), one);
         let factor = simd.mul_f32s(term, K::slope_over_q(simd, q));
         sum[0] = simd.mul_add_f32s(factor, dx, sum[0]);
         sum[1] = simd.mul_add_f32s(factor, dy, sum[1]);

@@ -4,9 +4,10 @@ use freshet_core::equation_of_state::PressureLaw;
 use freshet_core::grid::Grid;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::lanes::{Sums, sqrt};
+use crate::candidates::{Candidates, Near};
+use crate::lanes::{ScaledRoot, Sums, squared_length};
 use crate::neighbours::Rows;
-use crate::packed::{Near, Packed};
+use crate::packed::Packed;
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
@@ -41,6 +42,8 @@ pub struct Task<'a> {
     pub inputs: Inputs<'a>,
     /// Cells and particles.
     pub chunk: &'a Chunk,
+    /// Result: for each cell that has particles a list of particles, then one of each kind of samples.
+    pub candidates: &'a mut Candidates,
     /// Result, kg/m3.
     pub density: &'a mut [f32],
     /// Result, `p / rho^2`.
@@ -71,12 +74,13 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Compression {
-        let Task { inputs, chunk, density, pressure_term } = self.0;
+        let Task { inputs, chunk, candidates, density, pressure_term } = self.0;
         let [x, y, z] = &inputs.particles.position;
-        let mut candidates = Packed::<3>::new(inputs.grid);
+        let mut fluid = Packed::<3>::new(inputs.grid);
         let mut weighted = Packed::<4>::new(inputs.grid);
         let mut sums = Sums::default();
         let pairs = Pairs::new(simd, &inputs);
+        candidates.clear();
         for cell in chunk.cells.clone() {
             let range = inputs.starts[cell] as usize..inputs.starts[cell + 1] as usize;
             if range.is_empty() {
@@ -86,13 +90,15 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
             let own = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
             let sums = sums.zeroed::<S>(range.len());
             let rows = Rows::around(inputs.grid, inputs.starts, cell);
-            candidates.pack(simd, &rows, &near, [x, y, z]);
-            add_fluid::<S, K>(simd, pairs, own, &candidates, sums);
+            let list = candidates.add(simd, inputs.grid, &rows, &near, [x, y, z]);
+            fluid.pack(simd, list, [x, y, z], own[0][0]);
+            add_fluid::<S, K>(simd, pairs, own, &fluid, sums);
             for samples in inputs.samples {
                 let rows = Rows::around(inputs.grid, &samples.starts, cell);
-                if !rows.is_empty() {
-                    let [x, y, z] = &samples.position;
-                    weighted.pack(simd, &rows, &near, [x, y, z, &samples.volume]);
+                let [x, y, z] = &samples.position;
+                let list = candidates.add(simd, inputs.grid, &rows, &near, [x, y, z]);
+                if !list.is_empty() {
+                    weighted.pack(simd, list, [x, y, z, &samples.volume], own[0][0]);
                     add_samples::<S, K>(simd, pairs, own, &weighted, sums);
                 }
             }
@@ -149,7 +155,8 @@ fn add_samples<S: Simd, K: SimdKernel>(
 /// Constants of the innermost loop, in registers: read through a reference they would be read again for every pair.
 #[derive(Clone, Copy)]
 struct Pairs<S: Simd> {
-    inverse_radius: S::f32s,
+    /// Distances over the support radius.
+    in_radii: ScaledRoot<S>,
     fluid_factor: S::f32s,
     sample_factor: S::f32s,
 }
@@ -158,7 +165,7 @@ impl<S: Simd> Pairs<S> {
     #[inline(always)]
     fn new(simd: S, inputs: &Inputs) -> Self {
         Self {
-            inverse_radius: simd.splat_f32s(1.0 / inputs.grid.cell_size),
+            in_radii: ScaledRoot::new(simd, 1.0 / inputs.grid.cell_size),
             fluid_factor: simd.splat_f32s(inputs.fluid_factor),
             sample_factor: simd.splat_f32s(inputs.sample_factor),
         }
@@ -170,20 +177,25 @@ impl<S: Simd> Pairs<S> {
         let dx = simd.sub_f32s(simd.splat_f32s(own[0]), other[0]);
         let dy = simd.sub_f32s(simd.splat_f32s(own[1]), other[1]);
         let dz = simd.sub_f32s(simd.splat_f32s(own[2]), other[2]);
-        let squared = simd.mul_add_f32s(dz, dz, simd.mul_add_f32s(dy, dy, simd.mul_f32s(dx, dx)));
-        simd.min_f32s(simd.mul_f32s(sqrt(simd, squared), self.inverse_radius), simd.splat_f32s(1.0))
+        let squared = squared_length(simd, [dx, dy, dz]);
+        simd.min_f32s(self.in_radii.of(simd, squared), simd.splat_f32s(1.0))
     }
 }
 
-/// Pressure terms and compression from densities.
+/// Pressure terms and compression from densities: loops without branches, which the compiler makes lanes of.
+#[inline(always)]
 fn finish(inputs: &Inputs, density: &[f32], pressure_term: &mut [f32]) -> Compression {
-    let mut compression = Compression::default();
-    for (density, term) in density.iter().zip(pressure_term) {
-        let excess = density / inputs.rest_density - 1.0;
-        compression.largest = compression.largest.max(excess);
-        compression.sum += u64::from((excess.clamp(0.0, 1.0) * 1_048_576.0) as u32);
-        let pressure = inputs.law.pressure(f64::from(inputs.rest_density), f64::from(*density)) as f32;
-        *term = pressure / (density * density);
+    let rest_density = f64::from(inputs.rest_density);
+    let law = inputs.law;
+    for (&density, term) in density.iter().zip(pressure_term) {
+        *term = law.pressure(rest_density, f64::from(density)) as f32 / (density * density);
     }
-    compression
+    // Bits of numbers that are not negative are in the order of the numbers.
+    let (mut largest, mut sum) = (0u32, 0u64);
+    for density in density {
+        let excess = (density / inputs.rest_density - 1.0).max(0.0);
+        largest = largest.max(excess.to_bits());
+        sum += u64::from((excess.min(1.0) * 1_048_576.0) as u32);
+    }
+    Compression { largest: f32::from_bits(largest), sum }
 }

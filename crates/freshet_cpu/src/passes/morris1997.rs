@@ -30,7 +30,7 @@ pub struct Viscosity {
     pub nearest: f32,
 }
 
-/// Adds what a particle and lanes of others exchange; `slope` is `-m A/(G H^5) f'(q)/q`.
+/// Adds what a particle and lanes of others exchange; `slope` is `f'(q)/q`.
 #[inline(always)]
 pub fn add_pair<S: Simd>(
     simd: S,

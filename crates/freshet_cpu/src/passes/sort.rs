@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use freshet_core::grid::Grid;
 use glam::{UVec3, Vec3};
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::lanes::PADDING;
 use crate::particles::Particles;
@@ -35,7 +36,7 @@ struct KeyRule {
     origin: Vec3,
     inverse_edges: Vec3,
     mask: UVec3,
-    shift: [u32; 2],
+    shift: [u32; 3],
     trash: u32,
     bounds: [Vec3; 2],
     repeats: [bool; 3],
@@ -47,41 +48,65 @@ impl KeyRule {
             origin: grid.origin(),
             inverse_edges: 1.0 / grid.cell_edges(),
             mask: grid.dimensions() - UVec3::ONE,
-            shift: [grid.log_cells.x, grid.log_cells.x + grid.log_cells.y],
+            shift: [0, grid.log_cells.x, grid.log_cells.x + grid.log_cells.y],
             trash: grid.cells(),
             bounds,
             repeats: [0, 1, 2].map(|axis| grid.periodic.along(axis).is_some()),
         }
     }
 
+    /// The key of a particle: its cell, or for one that falls out the one after all cells; then whether it is retired and
+    /// whether it is removed. Without branches, so that the compiler makes lanes of a loop over it.
     #[inline(always)]
-    fn key<const PERIODIC: bool>(
-        &self,
-        position: [f32; 3],
-        velocity: [f32; 3],
-        life: f32,
-        dropped: &mut Dropped,
-    ) -> u32 {
-        if life <= 0.0 {
-            dropped.retired += 1;
-            return self.trash;
-        }
+    fn key<const PERIODIC: bool>(&self, position: [f32; 3], velocity: [f32; 3], life: f32) -> (u32, bool, bool) {
         let [min, max] = self.bounds;
+        let is_retired = life <= 0.0;
         // Comparisons with NaN are false: what is not finite is not inside.
-        let inside = (0..3).all(|axis| position[axis] >= min[axis] && position[axis] <= max[axis]);
-        if !inside || !(velocity[0] + velocity[1] + velocity[2]).is_finite() {
-            dropped.removed += 1;
-            return self.trash;
-        }
-        let cell = |axis: usize| {
-            if PERIODIC && self.repeats[axis] {
+        let mut is_fine = (velocity[0] + velocity[1] + velocity[2]).abs() < f32::INFINITY;
+        let mut key = 0;
+        for axis in 0..3 {
+            is_fine &= (position[axis] >= min[axis]) & (position[axis] <= max[axis]);
+            let along = position[axis] * self.inverse_edges[axis];
+            let cell = if PERIODIC && self.repeats[axis] {
                 // What rounding puts beyond the last cell of a period is in it.
                 let along = (position[axis] - self.origin[axis]) * self.inverse_edges[axis];
-                return floor(along).clamp(0, self.mask[axis] as i32) as u32;
-            }
-            floor(position[axis] * self.inverse_edges[axis]) as u32 & self.mask[axis]
-        };
-        cell(0) | (cell(1) << self.shift[0]) | (cell(2) << self.shift[1])
+                floor(along).clamp(0, self.mask[axis] as i32) as u32
+            } else {
+                floor(along) as u32 & self.mask[axis]
+            };
+            key |= cell << self.shift[axis];
+        }
+        let key = if is_retired | !is_fine { self.trash } else { key };
+        (key, is_retired, !is_retired & !is_fine)
+    }
+}
+
+/// The keys of a block of particles.
+struct Keys<'a, const PERIODIC: bool> {
+    rule: &'a KeyRule,
+    position: [&'a [f32]; 3],
+    velocity: [&'a [f32]; 3],
+    life: &'a [f32],
+    keys: &'a mut [u32],
+}
+
+impl<const PERIODIC: bool> WithSimd for Keys<'_, PERIODIC> {
+    type Output = Dropped;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Dropped {
+        let Self { rule, position, velocity, life, keys } = self;
+        let len = keys.len();
+        let ([x, y, z], [u, v, w]) = (position, velocity);
+        let (x, y, z, u, v, w, life) = (&x[..len], &y[..len], &z[..len], &u[..len], &v[..len], &w[..len], &life[..len]);
+        let mut dropped = Dropped::default();
+        for i in 0..len {
+            let (key, retired, removed) = rule.key::<PERIODIC>([x[i], y[i], z[i]], [u[i], v[i], w[i]], life[i]);
+            keys[i] = key;
+            dropped.retired += u32::from(retired);
+            dropped.removed += u32::from(removed);
+        }
+        dropped
     }
 }
 
@@ -97,6 +122,7 @@ impl Sorter {
     pub fn sort(
         &mut self,
         workers: &Workers,
+        arch: Arch,
         grid: &Grid,
         bounds: [Vec3; 2],
         particles: &mut Particles,
@@ -105,9 +131,9 @@ impl Sorter {
         let cells = grid.cells() as usize;
         let rule = KeyRule::new(grid, bounds);
         let blocks = if grid.periodic.any() {
-            self.count::<true>(workers, &rule, particles)
+            self.count::<true>(workers, arch, &rule, particles)
         } else {
-            self.count::<false>(workers, &rule, particles)
+            self.count::<false>(workers, arch, &rule, particles)
         };
         let dropped = blocks.iter().fold(Dropped::default(), |sum, block| Dropped {
             retired: sum.retired + block.retired,
@@ -135,6 +161,7 @@ impl Sorter {
     fn count<const PERIODIC: bool>(
         &mut self,
         workers: &Workers,
+        arch: Arch,
         rule: &KeyRule,
         particles: &Particles,
     ) -> Vec<Dropped> {
@@ -149,15 +176,19 @@ impl Sorter {
             tasks.push((block * size, keys.next().unwrap_or(&mut []), histogram));
         }
         workers.map(tasks, |(first, keys, histogram)| {
-            let mut dropped = Dropped::default();
+            let range = first.min(particles.len)..first.min(particles.len) + keys.len();
+            let (position, velocity) = (&particles.position, &particles.velocity);
+            let dropped = arch.dispatch(Keys::<PERIODIC> {
+                rule,
+                position: [0, 1, 2].map(|axis| &position[axis][range.clone()]),
+                velocity: [0, 1, 2].map(|axis| &velocity[axis][range.clone()]),
+                life: &particles.life[range],
+                keys,
+            });
             histogram.clear();
             histogram.resize(rule.trash as usize + 1, 0);
-            for (offset, key) in keys.iter_mut().enumerate() {
-                let i = first + offset;
-                let position = [particles.position[0][i], particles.position[1][i], particles.position[2][i]];
-                let velocity = [particles.velocity[0][i], particles.velocity[1][i], particles.velocity[2][i]];
-                *key = rule.key::<PERIODIC>(position, velocity, particles.life[i], &mut dropped);
-                histogram[*key as usize] += 1;
+            for &key in &*keys {
+                histogram[key as usize] += 1;
             }
             dropped
         })
@@ -290,7 +321,7 @@ mod tests {
             let mut sorter = Sorter::default();
             let mut scratch = Particles::default();
             let bounds = [Vec3::splat(-100.0), Vec3::splat(100.0)];
-            let dropped = sorter.sort(&workers, &grid, bounds, &mut particles, &mut scratch);
+            let dropped = sorter.sort(&workers, Arch::new(), &grid, bounds, &mut particles, &mut scratch);
             assert_eq!(dropped, Dropped::default());
             assert_eq!(particles.len, 5000);
             for (i, &(cell, id, position, velocity)) in expected.iter().enumerate() {
@@ -316,7 +347,8 @@ mod tests {
         particles.position[0][99] = 1e9;
         let gone = [3, 40, 7, 8, 99].map(|i: usize| particles.id[i]);
         let bounds = [Vec3::splat(-100.0), Vec3::splat(100.0)];
-        let dropped = Sorter::default().sort(&workers, &grid, bounds, &mut particles, &mut Particles::default());
+        let dropped =
+            Sorter::default().sort(&workers, Arch::new(), &grid, bounds, &mut particles, &mut Particles::default());
         assert_eq!(dropped, Dropped { retired: 2, removed: 3 });
         assert_eq!(particles.len, 95);
         assert!(particles.id.iter().all(|id| !gone.contains(id)));
