@@ -111,12 +111,15 @@ pub struct Candidates {
     /// Those of the lists, then room for more.
     stretches: Vec<Stretch>,
     ends: Vec<u32>,
+    /// Lengths of the domain's periods, m; zero along axes that do not repeat.
+    periods: [f32; 3],
 }
 
 impl Candidates {
-    /// Forgets all lists.
-    pub fn clear(&mut self) {
+    /// Forgets all lists; those to come are in this grid.
+    pub fn begin(&mut self, grid: &Grid) {
         self.ends.clear();
+        self.periods = grid.periodic.lengths().into();
     }
 
     /// Bytes allocated.
@@ -132,14 +135,7 @@ impl Candidates {
 
     /// Adds the list of what is `near` of the ranges of sorted positions; returns it.
     #[inline(always)]
-    pub fn add<S: Simd>(
-        &mut self,
-        simd: S,
-        grid: &Grid,
-        rows: &Rows,
-        near: &Near,
-        [x, y, z]: [&[f32]; 3],
-    ) -> &[Stretch] {
+    pub fn add<S: Simd>(&mut self, simd: S, rows: &Rows, near: &Near, [x, y, z]: [&[f32]; 3]) -> &[Stretch] {
         let begin = self.ends.last().map_or(0, |&end| end as usize);
         let most: usize = rows.all().iter().map(|&(start, end)| ((end - start) as usize).div_ceil(S::F32_LANES)).sum();
         if self.stretches.len() < begin + most {
@@ -147,7 +143,7 @@ impl Candidates {
         }
         let room = &mut self.stretches[begin..];
         let mut len = 0;
-        let periods: [f32; 3] = grid.periodic.lengths().into();
+        let periods = self.periods;
         let is_periodic = periods != [0.0; 3];
         let (y, z) = (&y[..x.len()], &z[..x.len()]);
         for (&(start, end), &row_wraps) in rows.all().iter().zip(rows.wraps()) {

@@ -143,7 +143,8 @@ mod tests {
             let mut packed = Packed::<4>::new(self.3);
             let [x, y, z] = &self.0.position;
             let mut candidates = Candidates::default();
-            let stretches = candidates.add(simd, self.3, self.1, &self.2, [x, y, z]);
+            candidates.begin(self.3);
+            let stretches = candidates.add(simd, self.1, &self.2, [x, y, z]);
             packed.pack(simd, stretches, [x, y, z, &self.0.volume], 3.0);
             let last = packed.lanes::<S>(packed.len());
             assert!(simd.reduce_min_f32s(last[0]) > 6.0 + 10.0 * self.3.cell_size);

@@ -65,8 +65,8 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
                 let [sx, sy, sz] = &task.samples.position;
                 let sharing = task.samples.starts[cell] as usize..task.samples.starts[cell + 1] as usize;
                 let near = Near::around([sx, sy, sz], sharing, task.grid.cell_size);
-                candidates.clear();
-                let list = candidates.add(simd, task.grid, &rows, &near, [x, y, z]);
+                candidates.begin(task.grid);
+                let list = candidates.add(simd, &rows, &near, [x, y, z]);
                 fluid.pack(simd, list, [x, y, z, task.pressure_term], at.x);
                 packed_cell = Some(cell);
             }

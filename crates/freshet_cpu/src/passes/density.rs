@@ -80,7 +80,7 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
         let mut weighted = Packed::<4>::new(inputs.grid);
         let mut sums = Sums::default();
         let pairs = Pairs::new(simd, &inputs);
-        candidates.clear();
+        candidates.begin(inputs.grid);
         for cell in chunk.cells.clone() {
             let range = inputs.starts[cell] as usize..inputs.starts[cell + 1] as usize;
             if range.is_empty() {
@@ -90,13 +90,13 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
             let own = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
             let sums = sums.zeroed::<S>(range.len());
             let rows = Rows::around(inputs.grid, inputs.starts, cell);
-            let list = candidates.add(simd, inputs.grid, &rows, &near, [x, y, z]);
+            let list = candidates.add(simd, &rows, &near, [x, y, z]);
             fluid.pack(simd, list, [x, y, z], own[0][0]);
             add_fluid::<S, K>(simd, pairs, own, &fluid, sums);
             for samples in inputs.samples {
                 let rows = Rows::around(inputs.grid, &samples.starts, cell);
                 let [x, y, z] = &samples.position;
-                let list = candidates.add(simd, inputs.grid, &rows, &near, [x, y, z]);
+                let list = candidates.add(simd, &rows, &near, [x, y, z]);
                 if !list.is_empty() {
                     weighted.pack(simd, list, [x, y, z, &samples.volume], own[0][0]);
                     add_samples::<S, K>(simd, pairs, own, &weighted, sums);

@@ -16,22 +16,25 @@ pub fn integrate(
     lifetimes: bool,
     dt: f32,
 ) {
-    let mut tasks = Vec::new();
-    let axes = acceleration.iter().zip(particles.position.iter_mut().zip(&mut particles.velocity));
-    for (axis, (accelerations, (positions, velocities))) in axes.enumerate() {
+    // All axes of a chunk together: the thread that computed its accelerations most likely still holds them.
+    let mut tasks: Vec<_> = chunks.iter().map(|chunk| (chunk, Vec::with_capacity(3))).collect();
+    for (positions, velocities) in particles.position.iter_mut().zip(&mut particles.velocity) {
         let parts = split(positions, chunks).into_iter().zip(split(velocities, chunks));
-        for (chunk, (position, velocity)) in chunks.iter().zip(parts) {
-            tasks.push((axis, &accelerations[chunk.particles.clone()], position, velocity));
+        for ((_, axes), part) in tasks.iter_mut().zip(parts) {
+            axes.push(part);
         }
     }
-    workers.map(tasks, |(axis, acceleration, position, velocity)| {
-        for ((a, x), v) in acceleration.iter().zip(&mut *position).zip(velocity) {
-            *v += a * dt;
-            *x += *v * dt;
-        }
-        if periodic.along(axis).is_some() {
-            for x in position {
-                *x = periodic.wrap_along(axis, *x);
+    workers.map(tasks, |(chunk, axes)| {
+        for (axis, (position, velocity)) in axes.into_iter().enumerate() {
+            let acceleration = &acceleration[axis][chunk.particles.clone()];
+            for ((a, x), v) in acceleration.iter().zip(&mut *position).zip(velocity) {
+                *v += a * dt;
+                *x += *v * dt;
+            }
+            if periodic.along(axis).is_some() {
+                for x in position {
+                    *x = periodic.wrap_along(axis, *x);
+                }
             }
         }
     });

@@ -196,12 +196,23 @@ impl Sorter {
 
     /// Turns the histograms into the first slot of each cell and block.
     fn scan(&mut self, cells: usize) {
+        // Most cells are empty: those are passed over many at a time, as the other threads wait.
+        const RUN: usize = 32;
         self.starts.resize(cells + 1, 0);
         let mut total = 0;
-        for (cell, start) in self.starts.iter_mut().enumerate() {
-            *start = total;
-            for histogram in &mut self.cursors {
-                total += std::mem::replace(&mut histogram[cell], total);
+        for (run, starts) in self.starts.chunks_mut(RUN).enumerate() {
+            let range = RUN * run..RUN * run + starts.len();
+            let found =
+                self.cursors.iter().flat_map(|histogram| &histogram[range.clone()]).fold(0, |all, count| all | count);
+            if found == 0 {
+                starts.fill(total);
+                continue;
+            }
+            for (cell, start) in range.zip(starts) {
+                *start = total;
+                for histogram in &mut self.cursors {
+                    total += std::mem::replace(&mut histogram[cell], total);
+                }
             }
         }
     }

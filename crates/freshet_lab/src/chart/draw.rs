@@ -13,13 +13,13 @@ use crate::error::LabError;
 use crate::output::Output;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn Error>>;
+pub(super) type Drawn = Result<(), Box<dyn Error>>;
 
 const FONT: &str = "sans-serif";
-const TITLE_SIZE: u32 = 24;
+pub(super) const TITLE_SIZE: u32 = 24;
 const PANEL_TITLE_SIZE: u32 = 20;
-const TEXT_SIZE: u32 = 18;
-const TICK_SIZE: u32 = 16;
+pub(super) const TEXT_SIZE: u32 = 18;
+pub(super) const TICK_SIZE: u32 = 16;
 const HEAD: u32 = 40;
 const FOOT: u32 = 40;
 
@@ -119,11 +119,11 @@ fn draw_legend(area: &Area<'_>, chart: &Chart) -> Drawn {
     Ok(())
 }
 
-fn text(size: u32) -> TextStyle<'static> {
+pub(super) fn text(size: u32) -> TextStyle<'static> {
     (FONT, size).into_font().color(&rgb(Colour::INK))
 }
 
-fn rgb(Colour(red, green, blue): Colour) -> RGBColor {
+pub(super) fn rgb(Colour(red, green, blue): Colour) -> RGBColor {
     RGBColor(red, green, blue)
 }
 

@@ -1,8 +1,9 @@
-//! Line charts as SVG: one or more panels side by side with one legend below.
+//! Charts as SVG: lines in one or more panels side by side with one legend below, and [heat maps](heat).
 //!
 //! Text is left to the viewer's fonts, so that no font library is needed.
 
 mod draw;
+pub mod heat;
 
 pub use draw::draw;
 

@@ -10,6 +10,8 @@ pub mod column;
 pub mod dam_break;
 pub mod float;
 pub mod peers;
+pub mod report;
+pub mod stability;
 pub mod validate;
 
 /// What the laboratory can do.
@@ -23,10 +25,14 @@ pub enum Command {
     Float(float::FloatArgs),
     /// Every case of the registry against exact solutions and measurements, at three resolutions.
     Validate(validate::ValidateArgs),
+    /// The largest stable step for every kernel, number of neighbours, speed of sound and equation of state.
+    Stability(stability::StabilityArgs),
     /// Speed: nanoseconds per particle and step in the benchmark tank, per pass and per number of threads.
     Bench(bench::BenchArgs),
     /// Freshet, salva3d and SPlisHSPlasH in the benchmark tank, in turn in one run.
     Peers(peers::PeersArgs),
+    /// All charts, tables and pictures of the last runs on one HTML page.
+    Report(report::ReportArgs),
 }
 
 impl Command {
@@ -37,8 +43,10 @@ impl Command {
             Command::Column(args) => column::run(args),
             Command::Float(args) => float::run(args),
             Command::Validate(args) => validate::run(args),
+            Command::Stability(args) => stability::run(args),
             Command::Bench(args) => bench::run(args),
             Command::Peers(args) => peers::run(args),
+            Command::Report(args) => report::run(args),
         }
     }
 }

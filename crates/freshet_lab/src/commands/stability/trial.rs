@@ -1,0 +1,250 @@
+//! One run with one step length.
+
+use freshet_core::equation_of_state::EquationOfState;
+use freshet_core::field::Field;
+use freshet_core::kernel::KernelKind;
+use freshet_core::plan::{Plan, SceneError};
+use freshet_core::scene::{Boundary, FluidScene, Support, Volume};
+use freshet_core::step::StepReport;
+use glam::Vec3;
+
+use crate::backend::Backend;
+use crate::drive::Drive;
+use crate::error::LabError;
+use crate::measure::spacing::nearest_distances;
+
+/// What is asked of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Situation {
+    /// A dam break against the far wall.
+    Violent,
+    /// A tall column at rest.
+    Calm,
+}
+
+impl Situation {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Violent, Self::Calm];
+
+    /// Name, as in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Violent => "dam break",
+            Self::Calm => "column",
+        }
+    }
+
+    /// Simulated time, s: the front is at the far wall after 0.4 s; waves cross the column a hundred times.
+    fn seconds(self) -> f64 {
+        match self {
+            Self::Violent => 0.8,
+            Self::Calm => 1.0,
+        }
+    }
+
+    fn scene(self) -> FluidScene {
+        let (block, container, spacing) = match self {
+            Self::Violent => (Vec3::splat(0.5), Vec3::new(1.2, 1.5, 0.5), 0.05),
+            Self::Calm => (Vec3::new(0.15, 0.5, 0.15), Vec3::new(0.15, 0.75, 0.15), 0.025),
+        };
+        FluidScene {
+            name: self.name().to_owned(),
+            volumes: vec![Volume::block(block / 2.0, block / 2.0)],
+            boundaries: vec![Boundary::open_box(container, container / 2.0)],
+            ..FluidScene::with_spacing(spacing)
+        }
+    }
+}
+
+/// How pressure follows from density.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PressureOption {
+    /// Tait's equation, clamped: the plan's default.
+    Tait,
+    /// A linear one, clamped.
+    Linear,
+    /// Tait's with its tension.
+    Tension,
+}
+
+impl PressureOption {
+    /// All of them, the plan's default first.
+    pub const ALL: [Self; 3] = [Self::Tait, Self::Linear, Self::Tension];
+
+    /// Name, as in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tait => "Tait",
+            Self::Linear => "linear",
+            Self::Tension => "unclamped",
+        }
+    }
+}
+
+/// What is tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Configuration {
+    /// Where.
+    pub backend: Backend,
+    /// Equation of state.
+    pub option: PressureOption,
+    /// Kernel.
+    pub kernel: KernelKind,
+    /// Mean number of neighbours.
+    pub neighbours: f32,
+    /// Speed of sound over the largest speed expected.
+    pub sound: f32,
+    /// Scene.
+    pub situation: Situation,
+}
+
+impl Configuration {
+    /// Whether all but the scene is what the plan takes when nothing is said: Wendland's kernel, H = 2 d (32 to 33 neighbours).
+    pub fn is_default(&self) -> bool {
+        self.option == PressureOption::Tait
+            && self.kernel == KernelKind::WendlandC2
+            && self.neighbours == 32.0
+            && self.sound == 10.0
+    }
+
+    /// Its place among all.
+    pub fn place(&self) -> (bool, usize, u32, usize, bool, u32) {
+        let kernel = KernelKind::WITH_GRADIENT.iter().position(|kernel| *kernel == self.kernel);
+        let option = PressureOption::ALL.iter().position(|option| *option == self.option);
+        let calm = self.situation == Situation::Calm;
+        (
+            self.backend == Backend::Gpu,
+            kernel.unwrap_or_default(),
+            self.neighbours as u32,
+            option.unwrap_or_default(),
+            calm,
+            self.sound as u32,
+        )
+    }
+
+    fn plan(&self) -> Result<Plan, SceneError> {
+        let mut scene = self.situation.scene();
+        let speed = Plan::new(&scene)?.parameters.expected_speed;
+        scene.settings.kernel = self.kernel;
+        scene.settings.support = Support::Neighbours(self.neighbours);
+        scene.settings.expected_speed = Some(speed);
+        scene.settings.allow_compressible = self.sound < 10.0;
+        let sound_speed = self.sound * speed;
+        match self.option {
+            PressureOption::Linear => scene.settings.equation_of_state = Some(EquationOfState::Linear { sound_speed }),
+            PressureOption::Tait | PressureOption::Tension => scene.settings.sound_speed = Some(sound_speed),
+        }
+        scene.settings.clamp_negative_pressure = self.option != PressureOption::Tension;
+        Plan::new(&scene)
+    }
+}
+
+impl std::fmt::Display for Configuration {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{}, {}, {}, {} neighbours, c = {} v, {}",
+            self.situation.name(),
+            self.option.name(),
+            self.kernel.name(),
+            self.neighbours,
+            self.sound,
+            self.backend
+        )
+    }
+}
+
+/// How a run failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// A number that is not finite, or a particle lost.
+    Lost,
+    /// Kinetic energy and energy of height above 1.05 of the start.
+    Energy,
+    /// Mean compression above 5 % in a substep.
+    Compression,
+    /// One particle in a hundred has another nearer than 0.3 d.
+    Crowded,
+}
+
+impl Failure {
+    /// Letter in the map.
+    pub fn letter(self) -> &'static str {
+        match self {
+            Self::Lost => "L",
+            Self::Energy => "E",
+            Self::Compression => "C",
+            Self::Crowded => "P",
+        }
+    }
+
+    /// What the letter stands for.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lost => "lost or not finite",
+            Self::Energy => "energy",
+            Self::Compression => "compression",
+            Self::Crowded => "pairs too near",
+        }
+    }
+}
+
+/// Duration of a tick, s.
+const TICK: f64 = 1.0 / 60.0;
+/// Ticks between two looks at the pairs, which take longer than a tick.
+const PAIRS_EVERY: u32 = 6;
+
+/// Simulates with steps of `number` times `h / (c + v)` and no other limit; says how it failed if it did.
+pub fn survives(configuration: &Configuration, number: f64) -> Result<Option<Failure>, LabError> {
+    let mut plan = configuration.plan()?;
+    let parameters = &mut plan.parameters;
+    parameters.courant_factor = number as f32;
+    parameters.force_factor = 1e6;
+    parameters.viscous_factor = 1e6;
+    let (gravity, spacing) = (f64::from(-parameters.gravity.y), parameters.spacing);
+    let particles = plan.positions.len();
+    let start = energy(gravity, &plan.positions, &plan.velocities);
+    let mut drive = Drive::open(configuration.backend, plan, Some(1), Vec::new())?;
+    let ticks = (configuration.situation.seconds() / TICK).round() as u32;
+    for tick in 1..=ticks {
+        let report = drive.tick(TICK)?;
+        if let Some(failure) = failure(&report, particles) {
+            return Ok(Some(failure));
+        }
+        let (positions, velocities) = (drive.positions()?, drive.vectors(Field::Velocity)?);
+        // Not-a-number is not at most anything.
+        let now = energy(gravity, &positions, &velocities);
+        if !now.is_finite() {
+            return Ok(Some(Failure::Lost));
+        }
+        if now > 1.05 * start {
+            return Ok(Some(Failure::Energy));
+        }
+        if tick % PAIRS_EVERY == 0 || tick == ticks {
+            let near = nearest_distances(&positions, spacing).into_iter().filter(|&nearest| nearest < 0.3 * spacing);
+            if near.count() * 100 > particles {
+                return Ok(Some(Failure::Crowded));
+            }
+        }
+    }
+    Ok(None)
+}
+
+fn failure(report: &StepReport, particles: usize) -> Option<Failure> {
+    if report.removed > 0 || report.particles as usize != particles || !report.max_speed.is_finite() {
+        Some(Failure::Lost)
+    } else if report.mean_compression.is_nan() || report.mean_compression > 0.05 {
+        Some(Failure::Compression)
+    } else {
+        None
+    }
+}
+
+/// Kinetic energy and energy of height above y = 0, over the mass of a particle, m2/s2.
+fn energy(gravity: f64, positions: &[Vec3], velocities: &[Vec3]) -> f64 {
+    positions
+        .iter()
+        .zip(velocities)
+        .map(|(position, velocity)| 0.5 * velocity.as_dvec3().length_squared() + gravity * f64::from(position.y))
+        .sum()
+}
