@@ -1,4 +1,5 @@
 // a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k (P_a + Pi_ak) F x_ak ] + Morris' viscosity
+// and, where the plan has a near pressure, -(m/G) sum_b (2 k/rho0) F_near x_ab (freshet_core::near_pressure).
 // Pressure form: Monaghan 1992, eq. 3.3. Pi_ab: Monaghan 1992, eq. 4.1, with beta = 0, for all pairs (Monaghan 2005).
 // Pi_ak is that of a particle at rest with the density of a, for samples of viscous faces only; Morris' viscosity acts there in
 // its stead. The b come from the bits that the density pass left, see library/hits.wgsl.
@@ -28,6 +29,9 @@ struct Own {
 #ifdef MORRIS_VISCOSITY
     pair_viscosity: f32,
 #endif
+#ifdef NEAR_PRESSURE
+    near_pressure: f32,
+#endif
 }
 
 fn own_of(a: u32) -> Own {
@@ -49,14 +53,31 @@ fn own_of(a: u32) -> Own {
 #ifdef MORRIS_VISCOSITY
     own.pair_viscosity = fields::parameters.pair_viscosity;
 #endif
+#ifdef NEAR_PRESSURE
+    own.near_pressure = fields::parameters.near_pressure;
+#endif
     return own;
 }
+
+#ifdef NEAR_PRESSURE
+// f'(q) / q of f(q) = (1 - q)^4
+fn near_slope(q: f32) -> f32 {
+    let left = max(1.0 - q, 0.0);
+    return -4.0 * left * left * left / max(q, 1e-6);
+}
+#endif
 
 // (P_a + P_b + Pi_ab) f'(q) / q x_ab, and Morris' term (1997, eq. 22) in the same units
 fn from_particle(own: Own, b: u32) -> vec3<f32> {
     let x = grid::difference(own.position, fields::sorted_position(b));
     let r_squared = dot(x, x);
-    let slope = kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius);
+    let q = sqrt(r_squared) * own.inverse_radius;
+    let slope = kernels::slope_over_q(q);
+#ifdef NEAR_PRESSURE
+    let near = own.near_pressure * near_slope(q);
+#else
+    let near = 0.0;
+#endif
 #ifdef PAIR_VELOCITIES
     let motion = fields::velocity_and_density(b);
     let velocity = own.velocity - motion.xyz;
@@ -66,12 +87,12 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
 #endif
 #ifdef MORRIS_VISCOSITY
     let exchange = own.pair_viscosity * r_squared / ((r_squared + own.softening) * (own.density * motion.w));
-    return slope * (factor * x - exchange * velocity);
+    return (factor * slope + near) * x - (exchange * slope) * velocity;
 #else
-    return (factor * slope) * x;
+    return (factor * slope + near) * x;
 #endif
 #else
-    return ((own.pressure_term + fields::pressure_term(b)) * slope) * x;
+    return ((own.pressure_term + fields::pressure_term(b)) * slope + near) * x;
 #endif
 }
 

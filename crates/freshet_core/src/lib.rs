@@ -11,6 +11,7 @@ pub mod field;
 pub mod grid;
 pub mod kernel;
 pub mod material;
+pub mod near_pressure;
 mod overlap;
 pub mod periodic;
 pub mod plan;

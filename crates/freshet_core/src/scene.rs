@@ -274,6 +274,10 @@ pub struct Settings {
     pub allow_compressible: bool,
     /// Monaghan's artificial viscosity alpha, 0 to 1; zero takes it out of the plan.
     pub artificial_viscosity: f32,
+    /// Near pressure over the square of the speed of sound, 0 to 0.1; zero takes it out of the plan. It keeps particles of a fluid
+    /// under tension, of negative pressures that are not [clamped](Self::clamp_negative_pressure), from clumping: 0.01 does, more
+    /// than that loosens the fluid. See [`near_pressure`](crate::near_pressure).
+    pub near_pressure: f32,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
     pub viscosity_model: Option<ViscosityModel>,
     /// Substep over `h / (c + v)`, 0.01 to 1.
@@ -304,6 +308,7 @@ impl Default for Settings {
             expected_speed: None,
             allow_compressible: false,
             artificial_viscosity: 0.03,
+            near_pressure: 0.0,
             viscosity_model: None,
             courant_factor: 0.4,
             force_factor: 0.25,
@@ -344,6 +349,7 @@ impl Settings {
             check_range("expected_speed", speed, 1e-4, 1e4, "m/s")?;
         }
         check_range("artificial_viscosity", self.artificial_viscosity, 0.0, 1.0, "")?;
+        check_range("near_pressure", self.near_pressure, 0.0, 0.1, "")?;
         check_range("courant_factor", self.courant_factor, 0.01, 1.0, "")?;
         check_range("force_factor", self.force_factor, 0.01, 1.0, "")?;
         check_range("viscous_factor", self.viscous_factor, 0.01, 1.0, "")?;

@@ -52,6 +52,7 @@ FluidScene(
         support: Ratio(2),
         sound_speed: Some(90),
         artificial_viscosity: 0.07,
+        near_pressure: 0.01,
         courant_factor: 0.41,
         force_factor: 0.26,
         viscous_factor: 0.13,
@@ -132,7 +133,7 @@ fn what_could_not_be_read_again_is_not_written() {
 }
 
 /// Each: what is changed into what, then field, value and allowed range as the message must name them.
-const INVALID: [(&str, &str, [&str; 3]); 45] = [
+const INVALID: [(&str, &str, [&str; 3]); 46] = [
     ("Spacing(0.1)", "Spacing(-0.1)", ["resolution", "-0.1", "0.0001 to 100"]),
     ("Spacing(0.1)", "Spacing(0)", ["resolution", "0", "0.0001 to 100"]),
     ("Spacing(0.1)", "Spacing(1e-5)", ["resolution", "0.00001", "0.0001 to 100"]),
@@ -177,6 +178,7 @@ const INVALID: [(&str, &str, [&str; 3]); 45] = [
     ("sound_speed: Some(90)", "sound_speed: Some(-90)", ["settings.sound_speed", "-90", "0.001 to 10000"]),
     ("support: Ratio(2)", "expected_speed: 0", ["settings.expected_speed", "0", "0.0001 to 10000"]),
     ("artificial_viscosity: 0.07", "artificial_viscosity: 1.5", ["settings.artificial_viscosity", "1.5", "0 to 1"]),
+    ("near_pressure: 0.01", "near_pressure: 0.2", ["settings.near_pressure", "0.2", "0 to 0.1"]),
     ("courant_factor: 0.41", "courant_factor: 0", ["settings.courant_factor", "0", "0.01 to 1"]),
     ("force_factor: 0.26", "force_factor: 2", ["settings.force_factor", "2", "0.01 to 1"]),
     ("viscous_factor: 0.13", "viscous_factor: NaN", ["settings.viscous_factor", "NaN", "0.01 to 1"]),

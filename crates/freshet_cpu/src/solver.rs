@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use freshet_core::field::{Field, FieldData};
 use freshet_core::kernel::Kernel;
+use freshet_core::near_pressure;
 use freshet_core::plan::{Parameters, Plan, StageKind};
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
@@ -399,6 +400,8 @@ impl CpuSolver {
                 depth: parameters.boundary_depth,
                 nearest: 0.25 * parameters.spacing,
             }),
+            near_pressure: 2.0 * parameters.near_pressure / parameters.rest_density
+                * (near_pressure::NORMALISATION / parameters.kernel.normalisation()) as f32,
             softening: 0.01 * h * h,
             gravity: self.gravity,
         };

@@ -119,11 +119,17 @@ fn reference(plan: &Plan, state: &Snapshot) -> Reference {
     let acceleration = (0..x.len())
         .map(|a| {
             let (mut sum, mut physical) = (DVec3::ZERO, DVec3::ZERO);
+            // W = 105/(4 pi H^7) (H - r)^4 (Clavet et al. 2005, Pirovano 2011).
+            let radius = f64::from(p.support_radius);
+            let steep = |r: f64| -105.0 / (std::f64::consts::PI * radius.powi(7)) * (radius - r).max(0.0).powi(3) / r;
             for b in 0..x.len() {
                 let (apart, moving) = (near(x[a] - x[b]), v[a] - v[b]);
                 let viscous = pi(apart, moving, 0.5 * (density[a] + density[b]));
                 let slope = kernel.derivative_over_r(apart.length());
                 sum += mass * (term[a] + term[b] + viscous) * slope * apart;
+                if a != b {
+                    sum += mass * 2.0 * f64::from(p.near_pressure) / rest * steep(apart.length()) * apart;
+                }
                 let weight = apart.length_squared() / (apart.length_squared() + 0.01 * h * h);
                 let morris = mass * 2.0 * mu / (density[a] * density[b]) * slope * weight * moving;
                 physical += if a == b { DVec3::ZERO } else { morris / f64::from(p.viscous_calibration) };
@@ -192,6 +198,18 @@ fn every_kernel_and_instruction_set_agrees_with_sums_over_all_pairs() {
             assert!(plan.boundary.viscous.contains(&false));
             assert_agrees(&plan, instruction_set);
             assert_agrees(&Plan::new(&channel(kernel, alpha)).unwrap(), instruction_set);
+        }
+    }
+}
+
+#[test]
+fn near_pressure_agrees_too() {
+    for (alpha, instruction_set) in [(0.05, InstructionSet::Widest), (0.0, InstructionSet::Scalar)] {
+        for mut scene in [scene(KernelKind::WendlandC2, alpha), channel(KernelKind::Spiky, alpha)] {
+            scene.settings.near_pressure = 0.05;
+            let plan = Plan::new(&scene).unwrap();
+            assert!(plan.parameters.near_pressure > 0.0);
+            assert_agrees(&plan, instruction_set);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The plan's numbers as the shaders use them, each product of constants formed once in double precision.
 
 use freshet_core::equation_of_state::EquationOfState;
+use freshet_core::near_pressure;
 use freshet_core::plan::Plan;
 use freshet_core::step::StepInput;
 use glam::{UVec3, Vec3};
@@ -47,6 +48,8 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         inverse_period: period.map(|length| if length > 0.0 { 1.0 / length } else { 0.0 }),
         period_low: ends(0, f32::MIN),
         period_high: ends(1, f32::MAX),
+        near_pressure: (2.0 * f64::from(p.near_pressure) / rest * near_pressure::NORMALISATION
+            / p.kernel.normalisation()) as f32,
         pair_viscosity: (2.0 * viscosity * f64::from(p.gradient_calibration) / f64::from(p.viscous_calibration)) as f32,
         wall_viscosity: p.dynamic_viscosity,
         wall_depth: p.boundary_depth,

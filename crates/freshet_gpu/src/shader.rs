@@ -52,6 +52,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("SAMPLES", walls || bodies),
         ("PAIR_VELOCITIES", needs_velocities(plan)),
         ("ARTIFICIAL_VISCOSITY", parameters.artificial_viscosity > 0.0),
+        ("NEAR_PRESSURE", parameters.near_pressure > 0.0),
         ("MORRIS_VISCOSITY", parameters.dynamic_viscosity > 0.0),
         ("DRAGGING_WALLS", drag == WallDrag::Artificial),
         ("STICKING_WALLS", drag == WallDrag::Morris),

@@ -179,7 +179,7 @@ fn stages_agree_from_the_same_states_and_a_wrong_constant_in_a_shader_is_found()
         ("(2.0 * own.density)", "(2.2 * own.density)"),
         (
             "(r_squared + own.softening) * (own.density + motion.w)",
-            "(r_squared + 1.3 * own.softening) * (own.density + motion.w)",
+            "(r_squared + 2.0 * own.softening) * (own.density + motion.w)",
         ),
         ("fields::parameters.body_force_scale", "1.01 * fields::parameters.body_force_scale"),
         ("fields::parameters.courant_factor", "1.01 * fields::parameters.courant_factor"),

@@ -25,6 +25,8 @@ pub struct FluidSettings {
     pub allow_compressible: bool,
     /// Monaghan's artificial viscosity alpha, 0 to 1.
     pub artificial_viscosity: f32,
+    /// Near pressure over the square of the speed of sound, 0 to 0.1: see [`Settings::near_pressure`].
+    pub near_pressure: f32,
     /// Substep over `h / (c + v)`, 0.01 to 1; `h` is half the reach of the kernel.
     pub courant_factor: f32,
     /// Substep over `sqrt(h / a)`, 0.01 to 1.
@@ -54,6 +56,7 @@ impl FluidSettings {
             expected_speed: settings.expected_speed,
             allow_compressible: settings.allow_compressible,
             artificial_viscosity: settings.artificial_viscosity,
+            near_pressure: settings.near_pressure,
             courant_factor: settings.courant_factor,
             force_factor: settings.force_factor,
             viscous_factor: settings.viscous_factor,
@@ -72,6 +75,7 @@ impl FluidSettings {
             expected_speed: self.expected_speed,
             allow_compressible: self.allow_compressible,
             artificial_viscosity: self.artificial_viscosity,
+            near_pressure: self.near_pressure,
             courant_factor: self.courant_factor,
             force_factor: self.force_factor,
             viscous_factor: self.viscous_factor,

@@ -42,6 +42,9 @@ impl fmt::Display for Plan {
             p.viscous_factor,
             p.substep_limit(0.0, p.gravity.length())
         )?;
+        if p.near_pressure > 0.0 {
+            writeln!(f, "  near pressure {} m2/s2 times the density", p.near_pressure)?;
+        }
         if p.dynamic_viscosity > 0.0 {
             writeln!(f, "  dynamic viscosity {} Pa s, calibration {:.4}", p.dynamic_viscosity, p.viscous_calibration)?;
         }

@@ -37,6 +37,8 @@ pub struct Parameters {
     pub expected_speed: f32,
     /// Monaghan's alpha.
     pub artificial_viscosity: f32,
+    /// k of the near pressure `k rho`, m2/s2; zero for none. See [`near_pressure`](crate::near_pressure).
+    pub near_pressure: f32,
     /// Dynamic viscosity of Morris' model, Pa s; zero without a model.
     pub dynamic_viscosity: f32,
     /// Divisor of Morris' pair forces, so that a parabolic velocity on the rest lattice has its exact force.

@@ -12,7 +12,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::morris1997::{self, Viscosity};
 use crate::candidates::Candidates;
-use crate::lanes::{ScaledRoot, Sums, minus_quotient, squared_length, sum_vector};
+use crate::lanes::{ScaledRoot, Sums, divide, minus_quotient, squared_length, sum_vector};
 use crate::packed::Packed;
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
@@ -44,6 +44,8 @@ pub struct Inputs<'a> {
     pub viscosity: f32,
     /// Morris' viscosity, if the plan has it.
     pub physical: Option<Viscosity>,
+    /// `2 k/rho0 A_near/A`: near pressure in units of the fluid's factor; zero for a plan without.
+    pub near_pressure: f32,
     /// `0.01 h^2`, m2.
     pub softening: f32,
     /// m/s2.
@@ -119,6 +121,12 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for T
             } else {
                 calm.pack(simd, list, [x, y, z, inputs.pressure_term], at);
                 add_fluid::<S, K>(simd, pairs, own, &calm, sums);
+            }
+            if inputs.near_pressure > 0.0 {
+                match ARTIFICIAL || PHYSICAL {
+                    true => add_near_pressure::<S, 8>(simd, pairs, own, &viscous, inputs.near_pressure, sums),
+                    false => add_near_pressure::<S, 4>(simd, pairs, own, &calm, inputs.near_pressure, sums),
+                }
             }
             let stuck = if PHYSICAL { 7 * range.len() } else { 0 };
             let (wall_sums, _) = wall_sums.zeroed::<S>(stuck).as_chunks_mut::<7>();
@@ -244,6 +252,32 @@ fn add_fluid<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: &P
             let pressure = simd.add_f32s(simd.splat_f32s(own_term), term);
             let slope = pairs.slope::<K>(simd, squared);
             add(simd, sum, simd.mul_f32s(pressure, slope), difference);
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// Double density relaxation, see `freshet_core::near_pressure`, over the fluid. A loop of its own: few plans have it.
+#[inline(always)]
+fn add_near_pressure<S: Simd, const N: usize>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: Own,
+    all: &Packed<N>,
+    near_pressure: f32,
+    sums: &mut [[S::f32s; 3]],
+) {
+    let (one, least) = (simd.splat_f32s(1.0), simd.splat_f32s(1e-6));
+    let scale = simd.splat_f32s(-4.0 * near_pressure);
+    let mut first = 0;
+    while first < all.len() {
+        let lanes = all.lanes::<S>(first);
+        for (sum, position, _) in own.with(sums) {
+            let (difference, squared) = difference(simd, position, [lanes[0], lanes[1], lanes[2]]);
+            let q = simd.max_f32s(simd.min_f32s(pairs.in_radii.of(simd, squared), one), least);
+            let left = simd.sub_f32s(one, q);
+            let cube = simd.mul_f32s(simd.mul_f32s(left, left), left);
+            add(simd, sum, divide(simd, simd.mul_f32s(scale, cube), q), difference);
         }
         first += S::F32_LANES;
     }

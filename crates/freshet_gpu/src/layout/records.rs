@@ -105,8 +105,8 @@ wgsl_struct! {
         expected_speed: f32,
         /// From further away it jumps, m.
         body_reach: f32,
-        /// Unused.
-        pad_a: u32,
+        /// 2 k/rho0 A_near/A: near pressure in units of the fluid's force scale.
+        near_pressure: f32,
         /// Unused.
         pad_b: [u32; 2],
     }

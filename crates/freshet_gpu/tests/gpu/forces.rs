@@ -75,7 +75,7 @@ fn a_channel_that_repeats_itself_with_a_viscous_fluid_gives_the_forces_of_the_re
     }
     for (patch, index) in [
         (("sample.viscous_weight * slope", "sample.viscous_weight * slope * 1.01"), 2),
-        (("- exchange * velocity", "- 1.002 * exchange * velocity"), 2),
+        (("- (exchange * slope) * velocity", "- (1.002 * exchange * slope) * velocity"), 2),
         (("gap /= fields::parameters.cells_per_radius.yz", "gap *= 2.0"), 0),
         (("round(x * fields::parameters.inverse_period)", "round(0.6 * x * fields::parameters.inverse_period)"), 0),
     ] {
@@ -186,6 +186,23 @@ fn wider_supports_and_fluids_without_walls_or_viscosity_do_too() {
     let plain = Settings { artificial_viscosity: 0.0, ..Default::default() };
     check(&FluidScene { settings: plain.clone(), ..dam_break(0.05) });
     check(&FluidScene { settings: plain, boundaries: Vec::new(), ..dam_break(0.05) });
+}
+
+#[test]
+fn near_pressure_repels_as_in_the_reference() {
+    let with = |mut scene: FluidScene| {
+        scene.settings.near_pressure = 0.05;
+        scene
+    };
+    let plain = Settings { artificial_viscosity: 0.0, kernel: KernelKind::CubicSpline, ..Default::default() };
+    for scene in [with(dam_break(0.05)), with(channel()), with(FluidScene { settings: plain, ..dam_break(0.05) })] {
+        check(&scene);
+    }
+    let patch = Some(("-4.0 * left", "-4.1 * left"));
+    let found = errors(&mut solver_with(&with(dam_break(0.05)), GpuOptions { patch, ..Default::default() }))[2];
+    assert!(found > TOLERANCES[2], "a wrong constant makes an error of {found:e} only");
+    let without = solver(&dam_break(0.05)).shader("acceleration").unwrap();
+    assert!(!without.contains("near_slope"), "what a plan does not have is not in its shader");
 }
 
 #[test]

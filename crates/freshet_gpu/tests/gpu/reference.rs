@@ -67,7 +67,7 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
             let (density, pressure) = states[a];
             let term = pressure / (density * density);
             let (mut sum, mut magnitude) = (DVec3::ZERO, p.gravity.as_dvec3().length());
-            let (mut resisted, mut friction) = (DVec3::ZERO, 0.0);
+            let (mut resisted, mut repelled, mut friction) = (DVec3::ZERO, DVec3::ZERO, 0.0);
             let mut add = |factor: f64, x: DVec3| {
                 let part = -factor * kernel.derivative_over_r(x.length()) * x / calibration;
                 sum += part;
@@ -79,6 +79,13 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                 let (other_density, other_pressure) = states[b];
                 let viscous = pi(x, v, 0.5 * (density + other_density));
                 add(mass * (term + other_pressure / (other_density * other_density) + viscous), x);
+                // Clavet et al. 2005 and Pirovano 2011: W = 105/(4 pi H^7) (H - r)^4.
+                let (r, radius) = (x.length(), f64::from(p.support_radius));
+                let left = (radius - r).max(0.0);
+                let steep = -105.0 / (std::f64::consts::PI * radius.powi(7)) * left.powi(3) / r;
+                let part = -mass * 2.0 * f64::from(p.near_pressure) / rest * steep * x / calibration;
+                repelled += part;
+                friction += part.length();
                 if viscosity > 0.0 {
                     let part = mass * morris(x, v, density * other_density) / f64::from(p.viscous_calibration);
                     resisted += part;
@@ -107,7 +114,7 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                 resisted += part;
                 friction += part.length();
             }
-            let acceleration = p.gravity.as_dvec3() + sum + resisted;
+            let acceleration = p.gravity.as_dvec3() + sum + resisted + repelled;
             Expected { density, pressure, acceleration, magnitude: magnitude + friction }
         })
         .collect()

@@ -35,8 +35,10 @@ pub struct HeatMap {
 }
 
 const CELL: (i32, i32) = (74, 26);
-const ROW_HEAD: i32 = 210;
+const ROW_HEAD: i32 = 240;
 const COLUMN_HEAD: i32 = 92;
+/// So that the notes fit.
+const LEAST_WIDTH: i32 = 860;
 /// Between groups.
 const GAP: i32 = 8;
 const LINE: i32 = 24;
@@ -62,7 +64,7 @@ fn places(groups: &[(String, Vec<String>)], first: i32, size: i32) -> (Vec<Vec<i
 fn draw_into(svg: &mut String, map: &HeatMap) -> Drawn {
     let (columns, right) = places(&map.columns, ROW_HEAD, CELL.0);
     let (rows, bottom) = places(&map.rows, COLUMN_HEAD, CELL.1);
-    let size = ((right + GAP) as u32, (bottom + LINE * map.notes.len() as i32 + GAP) as u32);
+    let size = ((right + GAP).max(LEAST_WIDTH) as u32, (bottom + LINE * map.notes.len() as i32 + GAP) as u32);
     let root = SVGBackend::with_string(svg, size).into_drawing_area();
     root.fill(&WHITE)?;
     let middle = |size| text(size).pos(Pos::new(HPos::Center, VPos::Center));

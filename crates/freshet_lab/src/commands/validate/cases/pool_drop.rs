@@ -29,7 +29,7 @@ const STUDY: Study = Study {
     bound: 0.01,
     smooth: false,
     resolutions: [16, 20, 24],
-    quick: [10, 12],
+    quick: [14, 16],
     axes: ["time (s)", "twice the height of the centre of mass (m)"],
     simulate,
 };
@@ -40,8 +40,8 @@ const POOL: f32 = 1.0;
 const DEPTH: f32 = 0.3;
 /// Edge of the block, m.
 const BLOCK: f32 = 0.4;
-/// Height of the walls, m.
-const WALLS: f32 = 1.5;
+/// Height of the walls, m: the splash is 1.5 m high.
+const WALLS: f32 = 2.5;
 /// Time to simulate, s.
 const END: f64 = 6.0;
 /// From when on the level is averaged, s.
