@@ -122,6 +122,15 @@ impl Candidates {
         self.periods = grid.periodic.lengths().into();
     }
 
+    /// Gives back what is far more than the lists take.
+    pub fn shrink(&mut self) {
+        let used = self.ends.last().map_or(0, |&end| end as usize);
+        if self.stretches.len() > 4 * used {
+            self.stretches.truncate(2 * used);
+            self.stretches.shrink_to_fit();
+        }
+    }
+
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
         (size_of::<Stretch>() * self.stretches.capacity() + 4 * self.ends.capacity()) as u64

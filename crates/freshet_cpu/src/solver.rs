@@ -168,6 +168,7 @@ impl CpuSolver {
             }
         }
         self.body_samples = BodySamples::default();
+        self.candidates = Vec::new();
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
         self.bodies = Vec::new();
         self.measure_memory();
@@ -256,6 +257,7 @@ impl CpuSolver {
         if tally.dropped.retired + tally.dropped.removed > 0 {
             self.particles.shrink();
             self.scratch.shrink();
+            self.candidates.iter_mut().for_each(Candidates::shrink);
         }
         self.measure_memory();
 

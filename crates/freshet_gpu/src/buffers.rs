@@ -160,7 +160,9 @@ impl Buffers {
             of_kind.map(|need| need.bytes).max().unwrap_or(0)
         };
         check_device(device, largest(false))?;
-        check_textures(device, largest(true) / TEXEL_BYTES)?;
+        if self.textures {
+            check_textures(device, largest(true) / TEXEL_BYTES)?;
+        }
         let allocate = |need: Need| {
             let label = format!("freshet:buffer:{}", need.binding.name());
             let store = if self.textures && need.binding.is_of_neighbours() {

@@ -105,7 +105,7 @@ fn page(folders: &[PathBuf]) -> Result<Page, LabError> {
         shown.push(section.stem.to_owned());
         add(&mut page, &files, section.stem, section.head, section.about)?;
     }
-    for path in files.iter().filter(|path| has_ending(path, "svg")) {
+    for path in files.iter().filter(|path| has_ending(path, "svg") || has_ending(path, "csv")) {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         if !shown.contains(&stem) {
             add(&mut page, &files, &stem, &stem.replace('_', " "), "")?;
@@ -220,6 +220,7 @@ mod tests {
         output.write("bench.svg", "<?xml version=\"1.0\"?>\n<svg width=\"4\"><text>speed</text></svg>\n")?;
         output.write("bench.csv", "# how it is made: `a < b`\nname,value\n\"one, two\",3\n")?;
         output.write("something_else.svg", "<svg><text>else</text></svg>")?;
+        output.write("only_numbers.csv", "a,b\n1,2\n")?;
         output.write("picture_of_water.png", "not really")?;
         let page = page(std::slice::from_ref(&folder))?;
         assert_eq!(page.figures, 3);
@@ -227,6 +228,7 @@ mod tests {
             "<h2>Speed</h2>",
             "<svg width=\"4\"><text>speed</text></svg>",
             "<h2>something else</h2>",
+            "<h2>only numbers</h2>",
             "how it is made: `a &lt; b`",
             "<th>name</th><th>value</th>",
             "<td>one, two</td><td>3</td>",

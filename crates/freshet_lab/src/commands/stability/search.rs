@@ -1,5 +1,7 @@
 //! Finds the largest stable step of a configuration.
 
+use freshet_core::scene::Settings;
+
 use super::trial::{Configuration, Failure};
 use crate::error::LabError;
 
@@ -7,8 +9,6 @@ use crate::error::LabError;
 pub const LEAST: f64 = 0.1;
 /// The largest.
 pub const MOST: f64 = 4.0;
-/// Where the search begins: the plan's own.
-const BEGIN: f64 = 0.4;
 /// What it takes for a stride before it bisects.
 const STRIDE: f64 = 1.6;
 
@@ -33,10 +33,12 @@ pub fn search(
     mut survives: impl FnMut(f64) -> Result<Option<Failure>, LabError>,
 ) -> Result<Found, LabError> {
     let mut found = Found { configuration: *configuration, stable: 0.0, failure: None, runs: 0 };
+    // The search begins at the plan's own.
+    let begin = f64::from(Settings::default().courant_factor);
     let (mut stable, mut failed): (Option<f64>, Option<f64>) = (None, None);
     loop {
         let number = match (stable, failed) {
-            (None, None) => BEGIN,
+            (None, None) => begin,
             (Some(stable), None) if stable >= MOST => break,
             (Some(stable), None) => (stable * STRIDE).min(MOST),
             (None, Some(failed)) if failed <= LEAST => break,

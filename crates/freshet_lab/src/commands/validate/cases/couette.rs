@@ -17,6 +17,7 @@ const STUDY: Study = Study {
     title: "Plane Couette flow from rest, Re 10",
     measure: "L2 error of the velocity",
     bound: 0.02,
+    coarse_bound: Some(0.05),
     smooth: true,
     resolutions: [10, 20, 40],
     quick: [8, 16],

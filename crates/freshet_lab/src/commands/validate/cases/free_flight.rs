@@ -24,6 +24,7 @@ const STUDY: Study = Study {
     title: "A thrown block of water",
     measure: "error of the momentum",
     bound: 1e-5,
+    coarse_bound: None,
     smooth: false,
     resolutions: [6, 10, 16],
     quick: [6, 10],

@@ -27,6 +27,7 @@ const STUDY: Study = Study {
     title: "A block dropped into a pool",
     measure: "error of the volume",
     bound: 0.01,
+    coarse_bound: None,
     smooth: false,
     resolutions: [16, 20, 24],
     quick: [14, 16],

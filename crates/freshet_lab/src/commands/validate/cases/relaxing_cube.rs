@@ -24,6 +24,7 @@ const STUDY: Study = Study {
     title: "Distances of pairs in a cube that has relaxed for 5 s",
     measure: "particles nearer than 0.7 d to another",
     bound: 0.01,
+    coarse_bound: None,
     smooth: false,
     resolutions: [8, 12, 16],
     quick: [6, 8],

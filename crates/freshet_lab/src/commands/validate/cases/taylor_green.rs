@@ -24,6 +24,7 @@ const STUDY: Study = Study {
     title: "Taylor-Green vortices at Re 100",
     measure: "error of the decay rate",
     bound: 0.05,
+    coarse_bound: Some(0.1),
     smooth: true,
     resolutions: [16, 32, 64],
     quick: [16, 24],
