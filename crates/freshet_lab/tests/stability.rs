@@ -1,21 +1,13 @@
 //! `stability`: what survives a step, and the quick form of the whole command.
 
-use freshet_core::kernel::KernelKind;
 use freshet_lab::backend::Backend;
-use freshet_lab::commands::stability::{
-    Configuration, Failure, PressureOption, Situation, StabilityArgs, run, survives,
-};
+use freshet_lab::commands::stability::{Configuration, Failure, Situation, StabilityArgs, run, survives};
 use freshet_lab::error::LabError;
 use freshet_lab::options::{BackendChoice, CommonOptions};
 
-fn configuration(backend: Backend, situation: Situation) -> Configuration {
-    let (option, kernel) = (PressureOption::Tait, KernelKind::WendlandC2);
-    Configuration { backend, option, kernel, neighbours: 32.0, sound: 10.0, situation }
-}
-
 /// The plan's own factor, and one that no explicit step can bear: what fails is named.
 fn assert_bracketed(backend: Backend, situation: Situation) -> Result<(), LabError> {
-    let configuration = configuration(backend, situation);
+    let configuration = Configuration::of_defaults(backend, situation);
     assert!(configuration.is_default());
     assert_eq!(survives(&configuration, 0.4)?, None, "{configuration} at the plan's own step");
     let failure = survives(&configuration, 3.5)?;

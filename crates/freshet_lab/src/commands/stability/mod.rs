@@ -159,14 +159,7 @@ mod tests {
 
     #[test]
     fn a_default_step_that_does_not_hold_misses_the_bound() {
-        let configuration = Configuration {
-            backend: Backend::Cpu,
-            option: PressureOption::Tait,
-            kernel: KernelKind::WendlandC2,
-            neighbours: 32.0,
-            sound: 10.0,
-            situation: Situation::Calm,
-        };
+        let configuration = Configuration::of_defaults(Backend::Cpu, Situation::Calm);
         let found = |stable| Found { configuration, stable, failure: Some(Failure::Energy), runs: 1 };
         assert!(verdict(&[found(f64::from(0.4f32))]).passes());
         assert!(!verdict(&[found(0.39)]).passes());

@@ -61,21 +61,12 @@ pub fn search(
 
 #[cfg(test)]
 mod tests {
-    use freshet_core::kernel::KernelKind;
-
     use super::*;
     use crate::backend::Backend;
-    use crate::commands::stability::{PressureOption, Situation};
+    use crate::commands::stability::Situation;
 
     fn found(limit: f64) -> Found {
-        let configuration = Configuration {
-            backend: Backend::Cpu,
-            option: PressureOption::Tait,
-            kernel: KernelKind::WendlandC2,
-            neighbours: 32.0,
-            sound: 10.0,
-            situation: Situation::Calm,
-        };
+        let configuration = Configuration::of_defaults(Backend::Cpu, Situation::Calm);
         let survives = |number| Ok((number > limit).then_some(Failure::Energy));
         search(&configuration, 1.05, survives).unwrap_or_else(|error| panic!("{error}"))
     }

@@ -102,12 +102,15 @@ pub struct Configuration {
 }
 
 impl Configuration {
-    /// Whether all but the scene is what the plan takes when nothing is said: Wendland's kernel, H = 2 d (32 to 33 neighbours).
+    /// What the plan takes when nothing is said: Tait's equation, Wendland's kernel, H = 2 d (32 to 33 neighbours), c = 10 v.
+    pub fn of_defaults(backend: Backend, situation: Situation) -> Self {
+        let (option, kernel) = (PressureOption::Tait, KernelKind::WendlandC2);
+        Self { backend, option, kernel, neighbours: 32.0, sound: 10.0, situation }
+    }
+
+    /// Whether it is one of these.
     pub fn is_default(&self) -> bool {
-        self.option == PressureOption::Tait
-            && self.kernel == KernelKind::WendlandC2
-            && self.neighbours == 32.0
-            && self.sound == 10.0
+        *self == Self::of_defaults(self.backend, self.situation)
     }
 
     /// Its place among all.
