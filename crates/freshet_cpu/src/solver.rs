@@ -41,7 +41,8 @@ pub enum InstructionSet {
 /// How the solver uses the machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CpuOptions {
-    /// Threads of its own, 1 to 256; other numbers are refused when the solver is made. None shares rayon's, one for each core.
+    /// Threads of its own, 1 to 256; other numbers are refused when the solver is made. None: one for each core. They are busy
+    /// while a tick lasts and asleep between ticks.
     pub threads: Option<usize>,
     /// Vector instructions.
     pub instruction_set: InstructionSet,

@@ -1,5 +1,7 @@
 //! Sharing a pass among cores.
 
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
 use freshet_core::error::InvalidInput;
 use freshet_core::solver::SolverError;
 use rayon::prelude::*;
@@ -7,52 +9,84 @@ use rayon::prelude::*;
 /// Most threads of its own a solver may ask for.
 const MOST_THREADS: usize = 256;
 
-/// The threads of a solver.
+/// The threads of a solver. No other solver uses them: [`Workers::enter`] relies on that.
 pub struct Workers {
+    /// None for one thread, which is the caller's.
     pool: Option<rayon::ThreadPool>,
-    threads: usize,
 }
 
 impl Workers {
-    /// `threads` of its own, or rayon's shared ones.
+    /// `threads`, or one for each core (`RAYON_NUM_THREADS` changes that number).
     ///
     /// # Errors
     /// [`SolverError::Invalid`] for none or more than 256, [`SolverError::Device`] if the system does not give them.
     pub fn new(threads: Option<usize>) -> Result<Self, SolverError> {
-        let Some(threads) = threads else {
-            return Ok(Self { pool: None, threads: rayon::current_num_threads() });
-        };
-        if !(1..=MOST_THREADS).contains(&threads) {
+        if let Some(threads) = threads
+            && !(1..=MOST_THREADS).contains(&threads)
+        {
             let allowed = format!("1 to {MOST_THREADS}, or none for one of each core");
             return Err(InvalidInput::new("threads", threads, allowed).into());
         }
+        if threads == Some(1) {
+            return Ok(Self { pool: None });
+        }
         let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
+            .num_threads(threads.unwrap_or(0))
+            .thread_name(|index| format!("freshet {index}"))
             .build()
             .map_err(|error| SolverError::Device(error.to_string()))?;
-        Ok(Self { pool: Some(pool), threads })
+        Ok(Self { pool: Some(pool).filter(|pool| pool.current_num_threads() > 1) })
     }
 
     /// Number of threads.
     pub fn threads(&self) -> usize {
-        self.threads
+        self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
     }
 
-    /// Calls `body` on one of the threads: passes shared from there start without waking it first.
+    /// Calls `body` on one of the threads and keeps the others awake until it returns: a pass shared from there starts at
+    /// once, where waking a core costs some fifty microseconds, and that for every pass.
     pub fn enter<R: Send>(&self, body: impl FnOnce() -> R + Send) -> R {
-        match &self.pool {
-            _ if self.threads == 1 => body(),
-            Some(pool) => pool.install(body),
-            None => rayon::scope(|_| body()),
-        }
+        let Some(pool) = self.pool.as_ref().filter(|pool| pool.current_thread_index().is_none()) else {
+            return body();
+        };
+        let others = pool.current_num_threads() - 1;
+        let (awake, over) = (&AtomicUsize::new(0), &AtomicBool::new(false));
+        pool.scope(|scope| {
+            let here = rayon::current_thread_index();
+            scope.spawn_broadcast(move |_, context| {
+                if Some(context.index()) != here {
+                    awake.fetch_add(1, Ordering::Relaxed);
+                    while !over.load(Ordering::Relaxed) {
+                        if rayon::yield_now() != Some(rayon::Yield::Executed) {
+                            std::thread::yield_now();
+                        }
+                    }
+                }
+            });
+            let _ending = SetOnDrop(over);
+            // All of them before the first pass: a thread that came to this while it waits inside a pass would hold it up.
+            while awake.load(Ordering::Relaxed) < others {
+                std::thread::yield_now();
+            }
+            body()
+        })
     }
 
     /// Calls `body` for each task, in any order, on all threads; the results are in the order of the tasks.
     pub fn map<T: Send, R: Send>(&self, tasks: Vec<T>, body: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
-        if self.threads == 1 {
+        if self.pool.is_none() {
             return tasks.into_iter().map(body).collect();
         }
         self.enter(|| tasks.into_par_iter().with_max_len(1).map(body).collect())
+    }
+}
+
+/// Sets a flag when it goes, also when by a panic.
+struct SetOnDrop<'a>(&'a AtomicBool);
+
+impl Drop for SetOnDrop<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
     }
 }
 
@@ -96,7 +130,55 @@ pub fn chunks(cell_starts: &[u32], count: usize) -> Vec<Chunk> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+    use std::sync::Mutex;
+    use std::time::Duration;
+
     use super::*;
+
+    #[test]
+    fn tasks_are_shared_and_results_keep_their_order() {
+        let workers = Workers::new(Some(3)).unwrap();
+        let threads = Mutex::new(HashSet::new());
+        let doubled = workers.enter(|| {
+            workers.map((0..64).collect(), |i: u32| {
+                std::thread::sleep(Duration::from_millis(1));
+                threads.lock().unwrap().insert(std::thread::current().id());
+                2 * i
+            })
+        });
+        assert_eq!(doubled, (0..64).map(|i| 2 * i).collect::<Vec<_>>());
+        assert_eq!(threads.into_inner().unwrap().len(), 3);
+    }
+
+    #[test]
+    fn a_panic_ends_the_waiting_and_comes_out() {
+        let workers = Workers::new(Some(2)).unwrap();
+        for _ in 0..2 {
+            let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| workers.enter(|| panic!("no"))));
+            assert!(outcome.is_err());
+            let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                workers.map(vec![1, 2, 3], |i| assert_ne!(i, 2));
+            }));
+            assert!(outcome.is_err());
+        }
+        assert_eq!(workers.map(vec![1, 2], |i| i + 1), [2, 3]);
+    }
+
+    #[test]
+    fn many_passes_of_many_solvers_at_once_end() {
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    let workers = Workers::new(Some(3)).unwrap();
+                    for _ in 0..200 {
+                        let sums = workers.enter(|| workers.map(vec![1u64; 9], |i| i));
+                        assert_eq!(sums.iter().sum::<u64>(), 9);
+                    }
+                });
+            }
+        });
+    }
 
     #[test]
     fn chunks_cover_all_cells_once() {
