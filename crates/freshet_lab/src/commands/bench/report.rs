@@ -2,7 +2,7 @@
 
 use super::{Configuration, Run, nanoseconds, over};
 use crate::backend::Backend;
-use crate::chart::{self, Chart, Colour, Mark, Panel, Series};
+use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::error::LabError;
 use crate::output::{Csv, Output, say};
 use crate::table::Table;
@@ -186,7 +186,9 @@ fn chart(runs: &[Run]) -> Chart {
         notes: Vec::new(),
         x_label: "thousand particles".to_owned(),
         y_label: "ns per particle-step".to_owned(),
+        x_scale: Scale::Linear,
         x: (0.0, largest * 1.1),
+        y_scale: Scale::Linear,
         y: (0.0, 1.0),
         series: series.collect(),
     }
