@@ -23,6 +23,7 @@ pub mod snapshot;
 pub mod solver;
 pub mod step;
 pub mod viscosity;
+pub mod work;
 
 /// What most programs need.
 pub mod prelude {

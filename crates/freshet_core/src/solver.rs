@@ -2,9 +2,10 @@
 
 use crate::error::InvalidInput;
 use crate::field::{Field, FieldData};
-use crate::plan::{Plan, StageKind};
+use crate::plan::{Parameters, Plan, StageKind};
 use crate::snapshot::{Snapshot, SnapshotError};
 use crate::step::{StepInput, StepReport};
+use crate::work::{Work, neighbours};
 
 /// A solver that executes a [`Plan`] tick by tick and waits for each.
 ///
@@ -100,6 +101,18 @@ impl Schedule {
     pub fn bytes_per_particle(&self) -> f64 {
         let bytes: u64 = self.buffers.iter().filter(|buffer| buffer.per_particle).map(|buffer| buffer.bytes).sum();
         bytes as f64 / f64::from(self.capacity.max(1))
+    }
+
+    /// Bytes that a substep reads and writes per particle, each neighbour's once.
+    pub fn moved_bytes_per_particle(&self) -> f64 {
+        self.passes.iter().map(|pass| f64::from(pass.bytes_per_particle)).sum()
+    }
+
+    /// Floating-point operations of a substep per particle with the neighbours it has at rest, see [`work`](crate::work).
+    pub fn operations_per_particle(&self, parameters: &Parameters) -> f64 {
+        let neighbours = neighbours(parameters);
+        let of = |stage| Work::of(stage, parameters).with(neighbours);
+        self.passes.chunk_by(|a, b| a.stage == b.stage).map(|passes| of(passes[0].stage)).sum()
     }
 }
 

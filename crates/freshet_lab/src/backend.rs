@@ -6,6 +6,7 @@ use freshet_cpu::{CpuOptions, CpuSolver};
 use freshet_gpu::{DeviceRequest, FluidDevice, GpuOptions, GpuSolver, open_device};
 
 use crate::error::LabError;
+use crate::measure::machine::processor_name;
 
 /// Where a case runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -14,6 +15,15 @@ pub enum Backend {
     Cpu,
     /// `freshet_gpu`, waiting for every tick.
     Gpu,
+}
+
+/// What a solver runs on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hardware {
+    /// As it calls itself.
+    pub name: String,
+    /// Whether it is the processor: the CPU solver's, or that of a GPU driver in software.
+    pub is_processor: bool,
 }
 
 impl Backend {
@@ -27,23 +37,33 @@ impl Backend {
 
     /// A solver for the plan; `threads` is for the CPU, none takes all cores.
     pub fn open(self, plan: Plan, threads: Option<usize>) -> Result<Box<dyn FluidSolver>, LabError> {
-        self.open_with(plan, threads, false)
+        self.open_with(plan, threads, false).map(|opened| opened.0)
     }
 
-    /// A solver that also says what each pass costs. On the GPU that makes the whole a little slower, and needs an adapter
+    /// A solver that also says what each pass costs, and what it runs on. On the GPU that makes the whole a little slower, and needs an adapter
     /// with time stamps; the CPU solver always does it.
-    pub fn open_timed(self, plan: Plan, threads: Option<usize>) -> Result<Box<dyn FluidSolver>, LabError> {
+    pub fn open_timed(self, plan: Plan, threads: Option<usize>) -> Result<(Box<dyn FluidSolver>, Hardware), LabError> {
         self.open_with(plan, threads, true)
     }
 
-    fn open_with(self, plan: Plan, threads: Option<usize>, timed: bool) -> Result<Box<dyn FluidSolver>, LabError> {
+    fn open_with(
+        self,
+        plan: Plan,
+        threads: Option<usize>,
+        timed: bool,
+    ) -> Result<(Box<dyn FluidSolver>, Hardware), LabError> {
         match self {
-            Backend::Cpu => Ok(Box::new(CpuSolver::new(plan, CpuOptions { threads, ..CpuOptions::default() })?)),
+            Backend::Cpu => {
+                let solver = CpuSolver::new(plan, CpuOptions { threads, ..CpuOptions::default() })?;
+                Ok((Box::new(solver), Hardware { name: processor_name(), is_processor: true }))
+            }
             Backend::Gpu => {
-                let FluidDevice { device, queue, .. } =
-                    open_device(DeviceRequest { time_stamps: timed, large_buffers: true })?;
+                let opened = open_device(DeviceRequest { time_stamps: timed, large_buffers: true })?;
+                let is_processor = opened.is_software();
+                let FluidDevice { device, queue, adapter } = opened;
                 let options = GpuOptions { time_stamps: timed, ..GpuOptions::default() };
-                Ok(Box::new(GpuSolver::new(&device, &queue, plan, options)?))
+                let solver = GpuSolver::new(&device, &queue, plan, options)?;
+                Ok((Box::new(solver), Hardware { name: adapter.name, is_processor }))
             }
         }
     }

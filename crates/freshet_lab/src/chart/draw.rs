@@ -47,13 +47,15 @@ fn draw_into(svg: &mut String, chart: &Chart) -> Drawn {
 }
 
 fn draw_panel(area: &Area<'_>, panel: &Panel) -> Drawn {
+    let across = |x| panel.x_scale.place(x);
+    let up = |y| panel.y_scale.place(y);
     let mut axes = ChartBuilder::on(area)
         .margin(6)
         .margin_right(20)
         .caption(&panel.title, text(PANEL_TITLE_SIZE))
         .x_label_area_size(52)
         .y_label_area_size(64)
-        .build_cartesian_2d(panel.x.0..panel.x.1, panel.y.0..panel.y.1)?;
+        .build_cartesian_2d(across(panel.x.0)..across(panel.x.1), up(panel.y.0)..up(panel.y.1))?;
     axes.configure_mesh()
         .x_desc(&panel.x_label)
         .y_desc(&panel.y_label)
@@ -61,8 +63,8 @@ fn draw_panel(area: &Area<'_>, panel: &Panel) -> Drawn {
         .y_labels(6)
         .axis_desc_style(text(TEXT_SIZE))
         .label_style(text(TICK_SIZE))
-        .x_label_formatter(&|value| tick(*value))
-        .y_label_formatter(&|value| tick(*value))
+        .x_label_formatter(&|&value| panel.x_scale.label(value))
+        .y_label_formatter(&|&value| panel.y_scale.label(value))
         .light_line_style(RGBColor(0xf4, 0xf5, 0xf6))
         .bold_line_style(RGBColor(0xe2, 0xe5, 0xe8))
         .axis_style(rgb(Colour::INK))
@@ -70,7 +72,8 @@ fn draw_panel(area: &Area<'_>, panel: &Panel) -> Drawn {
     let inside =
         |point: &(f64, f64)| (panel.x.0..=panel.x.1).contains(&point.0) && (panel.y.0..=panel.y.1).contains(&point.1);
     for series in &panel.series {
-        let points: Vec<(f64, f64)> = series.points.iter().copied().filter(inside).collect();
+        let points: Vec<(f64, f64)> =
+            series.points.iter().copied().filter(inside).map(|(x, y)| (across(x), up(y))).collect();
         let colour = rgb(series.colour);
         match series.mark {
             Mark::Line(width) => {
@@ -128,13 +131,14 @@ pub(super) fn rgb(Colour(red, green, blue): Colour) -> RGBColor {
 }
 
 /// A number on an axis without the dust of binary fractions.
-fn tick(value: f64) -> String {
+pub(super) fn tick(value: f64) -> String {
     let rounded = (value * 1e6).round() / 1e6;
     if rounded == 0.0 { "0".to_owned() } else { format!("{rounded}") }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::Scale;
     use super::*;
 
     #[test]
@@ -150,7 +154,9 @@ mod tests {
             notes: vec!["a note".to_owned()],
             x_label: "time (s)".to_owned(),
             y_label: "front (m)".to_owned(),
+            x_scale: Scale::Linear,
             x: (0.0, 2.0),
+            y_scale: Scale::Linear,
             y: (0.0, 3.0),
             series: vec![series("measured", Mark::Circles(4)), series("a line", Mark::Line(2))],
         };
@@ -163,6 +169,16 @@ mod tests {
         // Two points inside each panel, and one in the legend.
         assert_eq!(svg.matches("<circle").count(), 5);
         Ok(())
+    }
+
+    #[test]
+    fn doublings_are_equal_steps() {
+        let place = |x| Scale::Doubling.place(x);
+        assert_eq!(place(8192.0) - place(4096.0), place(524_288.0) - place(262_144.0));
+        assert_eq!(Scale::Doubling.label(place(4096.0)), "4K");
+        assert_eq!(Scale::Doubling.label(place(1536.0)), "1.5K");
+        assert_eq!(Scale::Doubling.label(place(256.0)), "256");
+        assert_eq!(Scale::Linear.label(4.0), "4");
     }
 
     #[test]

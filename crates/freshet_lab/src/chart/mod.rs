@@ -46,6 +46,37 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
+/// How an axis runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal steps add the same.
+    #[default]
+    Linear,
+    /// Equal steps double; for positive values, those from 1,024 on written in units of it: `4K`.
+    Doubling,
+}
+
+impl Scale {
+    /// Where a value stands on the axis.
+    fn place(self, value: f64) -> f64 {
+        match self {
+            Scale::Linear => value,
+            Scale::Doubling => value.log2(),
+        }
+    }
+
+    /// The text at a place.
+    fn label(self, place: f64) -> String {
+        match self {
+            Scale::Linear => draw::tick(place),
+            Scale::Doubling => match place.exp2() {
+                value if value < 1024.0 => format!("{}", value.round()),
+                value => format!("{}K", (value / 1024.0 * 10.0).round() / 10.0),
+            },
+        }
+    }
+}
+
 /// One set of axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
@@ -57,8 +88,12 @@ pub struct Panel {
     pub x_label: String,
     /// Name and unit of the vertical axis.
     pub y_label: String,
+    /// How the horizontal axis runs.
+    pub x_scale: Scale,
     /// Ends of the horizontal axis.
     pub x: (f64, f64),
+    /// How the vertical axis runs.
+    pub y_scale: Scale,
     /// Ends of the vertical axis.
     pub y: (f64, f64),
     /// Drawn in order.

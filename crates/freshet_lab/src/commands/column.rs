@@ -5,7 +5,7 @@ use freshet_core::field::Field;
 use freshet_core::plan::Plan;
 
 use crate::backend::Backend;
-use crate::chart::{self, Chart, Colour, Mark, Panel, Series};
+use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::drive::{Account, Drive};
 use crate::error::LabError;
 use crate::measure::column::{floor_pressure, level_from_centre_of_mass, surface_level};
@@ -295,7 +295,9 @@ fn chart(runs: &[Run]) -> Chart {
             notes: Vec::new(),
             x_label: "time (s)".to_owned(),
             y_label: unit.to_owned(),
+            x_scale: Scale::Linear,
             x: (0.0, seconds),
+            y_scale: Scale::Linear,
             y: (0.0, 1.0),
             series,
         }

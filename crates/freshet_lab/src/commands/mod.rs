@@ -27,7 +27,7 @@ pub enum Command {
     Validate(validate::ValidateArgs),
     /// The largest stable step for every kernel, number of neighbours, speed of sound and equation of state.
     Stability(stability::StabilityArgs),
-    /// Speed: nanoseconds per particle and step in the benchmark tank, per pass and per number of threads.
+    /// Speed: nanoseconds per particle and step by scene, size, pass and number of threads, within a time.
     Bench(bench::BenchArgs),
     /// Freshet, salva3d and SPlisHSPlasH in the benchmark tank, in turn in one run.
     Peers(peers::PeersArgs),

@@ -6,6 +6,7 @@ pub mod containment;
 pub mod crowding;
 pub mod curve;
 pub mod front;
+pub mod machine;
 pub mod reference_error;
 pub mod spacing;
 pub mod statistics;

@@ -3,7 +3,10 @@
 pub mod couette;
 pub mod dam_break;
 pub mod hydrostatics;
+pub mod krog_2010;
 pub mod lobovsky_2014;
 pub mod martin_moyce_1952;
+pub mod pirovano_2011;
 pub mod poiseuille;
+pub mod published_time;
 pub mod taylor_green;

@@ -2,6 +2,8 @@
 
 pub mod channel;
 pub mod column;
+pub mod krog;
+pub mod pirovano;
 pub mod slab;
 pub mod tank;
 pub mod vortices;

@@ -1,7 +1,7 @@
 //! Table, CSV and chart of the dam breaks.
 
 use crate::backend::Backend;
-use crate::chart::{self, Chart, Colour, Mark, Panel, Series};
+use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::error::LabError;
 use crate::output::{Csv, Output};
 use crate::reference::dam_break::DamBreakExperiment;
@@ -185,7 +185,9 @@ fn panel(experiment: &'static DamBreakExperiment, runs: &[Run]) -> Panel {
         notes,
         x_label: "T = n t √(g/a), dimensionless".to_owned(),
         y_label: "Z = front / a, dimensionless".to_owned(),
+        x_scale: Scale::Linear,
         x: (0.0, end * 1.05),
+        y_scale: Scale::Linear,
         y: (1.0, 1.0 + (highest - 1.0) * 1.2),
         series,
     }

@@ -2,7 +2,7 @@
 
 use super::{ARCHIMEDES, DRAFT_BOUND, Run};
 use crate::backend::Backend;
-use crate::chart::{self, Chart, Colour, Mark, Panel, Series};
+use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::error::LabError;
 use crate::measure::curve::Curve;
 use crate::measure::statistics::mean;
@@ -106,7 +106,9 @@ fn chart(runs: &[Run]) -> Chart {
             notes: Vec::new(),
             x_label: "time (s)".to_owned(),
             y_label: "draft over diameter".to_owned(),
+            x_scale: Scale::Linear,
             x: (0.0, seconds),
+            y_scale: Scale::Linear,
             y: (0.3, 0.7),
             series,
         }

@@ -3,7 +3,7 @@
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::{Peer, Run};
-use crate::chart::{self, Chart, Colour, Mark, Panel, Series};
+use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::error::LabError;
 use crate::measure::statistics::{median, spread};
 use crate::output::{Csv, Output};
@@ -163,7 +163,9 @@ fn chart(runs: &[Run]) -> Chart {
         notes: Vec::new(),
         x_label: "mean compression, %".to_owned(),
         y_label: "wall seconds per simulated second".to_owned(),
+        x_scale: Scale::Linear,
         x: (0.0, 1.1 * widest),
+        y_scale: Scale::Linear,
         y: (0.0, 1.0),
         series: points,
     };
@@ -187,7 +189,9 @@ fn chart(runs: &[Run]) -> Chart {
         notes: Vec::new(),
         x_label: "time, s".to_owned(),
         y_label: "front, m".to_owned(),
+        x_scale: Scale::Linear,
         x: (0.0, seconds),
+        y_scale: Scale::Linear,
         y: (1.0, 2.05),
         series: fronts.chain([experiment]).collect(),
     };

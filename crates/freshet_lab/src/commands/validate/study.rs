@@ -2,7 +2,7 @@
 
 use super::registry::{Findings, Job};
 use crate::backend::Backend;
-use crate::chart::{self, Chart, Colour, Mark, Panel, Series};
+use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::drive::Account;
 use crate::error::LabError;
 use crate::output::Csv;
@@ -180,7 +180,9 @@ impl Study {
             notes: Vec::new(),
             x_label: self.axes[0].to_owned(),
             y_label: self.axes[1].to_owned(),
+            x_scale: Scale::Linear,
             x: range(&series, |point| point.0),
+            y_scale: Scale::Linear,
             y: range(&series, |point| point.1),
             series,
         };

@@ -1,0 +1,157 @@
+//! How much arithmetic a substep takes, counted from its formulas: what a measured time is to be compared with.
+//!
+//! Additions, subtractions, multiplications, comparisons, roundings, quotients and roots are one operation each, a multiply-add
+//! is two, a general power [`POWER`]. Terms are counted as `freshet_cpu` writes them; the GPU solver's shaders differ by a few.
+//! Pairs are the particles that a support ball holds at rest. Left out is whatever a solver does besides: candidates out of
+//! reach, samples of walls and bodies, moving data.
+
+use std::f64::consts::PI;
+
+use crate::equation_of_state::EquationOfState;
+use crate::kernel::KernelKind;
+use crate::plan::{Parameters, StageKind};
+
+/// Operations that a power with an exponent other than 7 counts as.
+pub const POWER: u32 = 30;
+
+/// Difference of two positions: three subtractions, three multiply-adds.
+const DISTANCE: u32 = 9;
+/// `min(r/H, 1)` from a squared distance: root, factor, comparison.
+const RELATIVE: u32 = 3;
+/// Three multiply-adds into a vector.
+const ADD_VECTOR: u32 = 6;
+
+/// Operations of a stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// For each particle.
+    pub per_particle: u32,
+    /// For each pair of a particle and a neighbour, itself included; each pair counts for both of its particles.
+    pub per_pair: u32,
+}
+
+impl Work {
+    /// Of a stage. Stages of bodies and of the step count nothing: they have no share for every particle.
+    pub fn of(stage: StageKind, parameters: &Parameters) -> Self {
+        let (shape, slope) = of_kernel(parameters.kernel);
+        match stage {
+            // Cell of a position.
+            StageKind::Sort => Self { per_particle: 3 * 2, per_pair: 0 },
+            StageKind::Density => Self {
+                // p / rho^2 and the compression.
+                per_particle: of_pressure(parameters) + 2 + 7,
+                per_pair: DISTANCE + RELATIVE + shape + 2,
+            },
+            StageKind::Acceleration => {
+                let (artificial, physical) =
+                    (parameters.artificial_viscosity > 0.0, parameters.dynamic_viscosity > 0.0);
+                let mut per_pair = DISTANCE + RELATIVE + slope + 2 + ADD_VECTOR;
+                if artificial || physical {
+                    // Difference of velocities.
+                    per_pair += 3;
+                }
+                if artificial {
+                    // v.x, its factor, divisor, quotient, subtraction.
+                    per_pair += 5 + 1 + 3 + 2;
+                }
+                if physical {
+                    // Divisor, dividend, quotient, slope, vector.
+                    per_pair += 3 + 1 + 1 + 1 + ADD_VECTOR;
+                }
+                if parameters.near_pressure > 0.0 {
+                    // A loop of its own.
+                    per_pair += DISTANCE + RELATIVE + 1 + 3 + 2 + ADD_VECTOR;
+                }
+                // Gravity and factor, squared speed and acceleration with their maxima.
+                Self { per_particle: ADD_VECTOR + 2 * 6, per_pair }
+            }
+            StageKind::Integrate => Self { per_particle: 2 * ADD_VECTOR, per_pair: 0 },
+            StageKind::BodySort | StageKind::BodyLoad | StageKind::StepControl | StageKind::BodyMotion => {
+                Self::default()
+            }
+        }
+    }
+
+    /// For each particle with the pairs of `neighbours` others, itself among them.
+    pub fn with(self, neighbours: f64) -> f64 {
+        f64::from(self.per_particle) + neighbours * f64::from(self.per_pair)
+    }
+}
+
+/// Particles within the support at rest, on average, the one in its middle included: `4 pi/3 (H/d)^3`.
+pub fn neighbours(parameters: &Parameters) -> f64 {
+    4.0 / 3.0 * PI * f64::from(parameters.support_radius / parameters.spacing).powi(3)
+}
+
+/// Operations of `f(q)` and of `f'(q)/q`.
+fn of_kernel(kernel: KernelKind) -> (u32, u32) {
+    match kernel {
+        KernelKind::Gaussian => (25, 25),
+        KernelKind::CubicSpline => (10, 8),
+        KernelKind::QuinticSpline => (22, 24),
+        KernelKind::Quadratic => (2, 4),
+        KernelKind::Quartic => (8, 4),
+        KernelKind::WendlandC2 => (6, 4),
+        KernelKind::Poly6 => (6, 6),
+        KernelKind::Spiky => (3, 5),
+        // No plan has it for density and pressure.
+        KernelKind::Viscosity => (0, 0),
+    }
+}
+
+/// Operations of a pressure.
+fn of_pressure(parameters: &Parameters) -> u32 {
+    let law = parameters.pressure_law;
+    let equation = match law.equation {
+        EquationOfState::IdealGas { .. } => 1,
+        EquationOfState::Desbrun { .. } | EquationOfState::Linear { .. } => 2,
+        EquationOfState::Harada { .. } => 3,
+        // Ratio, power, one less, factor; the seventh power is four multiplications.
+        EquationOfState::Tait { exponent, .. } => 3 + if exponent == 7.0 { 4 } else { POWER },
+    };
+    equation + u32::from(law.clamp_negative)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::plan::{Plan, SceneError};
+    use crate::scene::{FluidScene, Volume};
+
+    fn parameters(change: impl Fn(&mut FluidScene)) -> Result<Parameters, SceneError> {
+        let mut scene =
+            FluidScene { volumes: vec![Volume::block(Vec3::splat(0.5), Vec3::ZERO)], ..FluidScene::with_spacing(0.1) };
+        change(&mut scene);
+        Ok(Plan::new(&scene)?.parameters)
+    }
+
+    /// By hand, from `passes/density.rs` and `passes/acceleration.rs` with `simd_kernel.rs`' Wendland C2.
+    #[test]
+    fn the_default_scene_is_as_counted_by_hand() -> Result<(), SceneError> {
+        let parameters = parameters(|_| ())?;
+        // dx dy dz 3, r^2 6, root and factor 2, min 1; 1-q, two squares, line, product 6; multiply-add 2.
+        let density = Work { per_particle: 17, per_pair: 20 };
+        assert_eq!(Work::of(StageKind::Density, &parameters), density);
+        // dx and r^2 9, dv 3, P+P 1, v.x 5, factor 1, divisor 3, quotient and difference 2, slope 3 + 4, product 1, sum 6.
+        let acceleration = Work { per_particle: 18, per_pair: 38 };
+        assert_eq!(Work::of(StageKind::Acceleration, &parameters), acceleration);
+        assert!((neighbours(&parameters) - 33.510_32).abs() < 1e-3);
+        assert!((density.with(10.0) - 217.0).abs() < 1e-12);
+        Ok(())
+    }
+
+    #[test]
+    fn what_a_plan_leaves_out_is_not_counted() -> Result<(), SceneError> {
+        let calm = parameters(|scene| scene.settings.artificial_viscosity = 0.0)?;
+        assert_eq!(Work::of(StageKind::Acceleration, &calm).per_pair, 24);
+        let near = parameters(|scene| {
+            scene.settings.artificial_viscosity = 0.0;
+            scene.settings.near_pressure = 0.01;
+        })?;
+        assert_eq!(Work::of(StageKind::Acceleration, &near).per_pair, 24 + 24);
+        assert_eq!(Work::of(StageKind::BodyLoad, &calm), Work::default());
+        Ok(())
+    }
+}
