@@ -34,8 +34,8 @@ use crate::verdict::Verdict;
 /// 4K to 512K particles, Pirovano's cube (2011) and Krog's test scene (2010), these two beside their published times.
 ///
 /// Times are of the stepping alone, everything in it included (sort, walls, step control). Nothing is drawn, so nothing of
-/// drawing is in them. The configurations of one size run in turn, and that several times, so that a change of the machine's
-/// pace meets all; given are the median and the spread. What a size will cost is forecast from smaller ones; what does not
+/// drawing is in them. The configurations of one size run in turn, tick by tick, and that several times, so that a change of the
+/// machine's pace meets all; given are the median and the spread. What a size will cost is forecast from smaller ones; what does not
 /// fit into --budget any more is left out and named.
 ///
 /// Arithmetic and bytes per particle-step are counted from the schedule, for the neighbours of water at rest, without walls and
@@ -184,15 +184,17 @@ pub fn run(args: &BenchArgs) -> Result<Verdict, LabError> {
         let admitted = admit(args, &group, &budget, &mut results.skipped);
         let most = admitted.iter().map(|configuration| args.repeats(configuration)).max().unwrap_or(0);
         for repeat in 1..=most {
-            for &configuration in admitted.iter().filter(|configuration| repeat <= args.repeats(configuration)) {
-                let simulated = args.simulated(&configuration);
-                progress.begin(format!("{configuration}, run {repeat}"), budget.estimate(&configuration, simulated));
-                let run = simulate(configuration, repeat, simulated, &mut progress)?;
-                let account = &run.account;
-                budget.learn(configuration, account.particle_steps, account.mean_substep(), run.elapsed);
+            let now: Vec<Configuration> =
+                admitted.iter().copied().filter(|configuration| repeat <= args.repeats(configuration)).collect();
+            let Some(first) = now.first() else { continue };
+            let simulated = args.simulated(first);
+            let work = now.iter().map(|configuration| budget.estimate(configuration, simulated)).sum();
+            progress.begin(format!("{first} and {} more in turn, run {repeat}", now.len() - 1), work);
+            for run in simulate(&now, repeat, simulated, &mut progress)? {
+                budget.learn(run.configuration, run.account.particle_steps, run.account.mean_substep(), run.elapsed);
                 results.runs.push(run);
-                report::write(&output, &results)?;
             }
+            report::write(&output, &results)?;
         }
     }
     drop(progress);
