@@ -186,7 +186,7 @@ fn a_hundred_thousand_commands() {
     for tick in 0..10u64 {
         let mut commands = Vec::new();
         for i in 0..5_000u16 {
-            let place = Vec3::new(0.8, 0.5, 0.25) + 0.01 * Vec3::splat(f32::from(i % 30));
+            let place = Vec3::new(0.8, 0.5, 0.25) + 0.005 * Vec3::splat(f32::from(i % 30));
             commands.push(Command::Spawn(NewParticles {
                 positions: vec![place],
                 velocities: vec![Vec3::ZERO],
