@@ -20,6 +20,7 @@ pub mod sampling;
 pub mod scene;
 pub mod scene_file;
 pub mod snapshot;
+pub mod solid;
 pub mod solver;
 pub mod step;
 pub mod viscosity;
@@ -38,6 +39,7 @@ pub mod prelude {
     pub use crate::run::SceneRun;
     pub use crate::scene::{Body, Boundary, BoundaryShape, FluidScene, Resolution, Settings, Shape, Support, Volume};
     pub use crate::snapshot::Snapshot;
+    pub use crate::solid::Solid;
     pub use crate::solver::{FluidSolver, Schedule, SolverError};
     pub use crate::step::{BodyInput, Command, Impulse, NewParticles, StepInput, StepReport};
     pub use crate::viscosity::ViscosityModel;

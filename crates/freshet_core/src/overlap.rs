@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::plan::SceneError;
-use crate::scene::{Shape, Volume};
+use crate::scene::Volume;
 
 /// Edge of a cell over the spacing. A point of a shape is less than `sqrt(3)` spacings from a particle of that shape, so the
 /// 27 cells around it hold one.
@@ -49,11 +49,7 @@ pub(crate) fn check_overlap(
 /// Whether a point lies in a volume's shape, by more than rounding.
 fn is_inside(volume: &Volume, point: Vec3, spacing: f32) -> bool {
     let local = volume.rotation.conjugate() * (point - volume.center);
-    let tolerance = 0.05 * spacing;
-    match volume.shape {
-        Shape::Box { half_extents } => local.abs().cmplt(half_extents - tolerance).all(),
-        Shape::Sphere { radius } => local.length() < radius - tolerance,
-    }
+    volume.shape.contains(local, 0.05 * spacing)
 }
 
 /// An axis-aligned box, empty where low is above high.

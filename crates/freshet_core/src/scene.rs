@@ -10,6 +10,7 @@ use crate::error::{InvalidInput, check_finite, check_range};
 use crate::kernel::KernelKind;
 use crate::material::Material;
 use crate::periodic::Periodic;
+use crate::solid::Solid;
 use crate::viscosity::ViscosityModel;
 
 /// A fluid, what holds it, what floats in it, and how it is to be simulated. SI units throughout.
@@ -38,7 +39,8 @@ pub struct FluidScene {
     /// What the fluid is.
     #[serde(default = "Material::water")]
     pub material: Material,
-    /// Where the fluid starts, at most [`MAX_OBJECTS`] volumes, which must not overlap.
+    /// Where the fluid starts, at most [`MAX_OBJECTS`] volumes, which must not overlap. What of them is in a wall or a body is
+    /// left out and counted: see [`solid`](crate::solid).
     #[serde(default)]
     pub volumes: Vec<Volume>,
     /// Where fluid flows in, at most [`MAX_OBJECTS`].
@@ -103,6 +105,37 @@ pub enum Shape {
         /// Radius, m.
         radius: f32,
     },
+}
+
+impl Shape {
+    /// Whether a point relative to the centre, in the shape's own axes, is more than `tolerance` metres below the surface.
+    pub(crate) fn contains(&self, local: Vec3, tolerance: f32) -> bool {
+        match *self {
+            Shape::Box { half_extents } => local.abs().cmplt(half_extents - tolerance).all(),
+            Shape::Sphere { radius } => local.length() < radius - tolerance,
+        }
+    }
+
+    /// Distance of such a point from the surface, m, negative inside, and the direction away from it.
+    pub(crate) fn distance(&self, local: Vec3) -> (f32, Vec3) {
+        match *self {
+            Shape::Box { half_extents } => {
+                let beyond = local.abs() - half_extents;
+                let outside = beyond.max(Vec3::ZERO);
+                let normal =
+                    if outside == Vec3::ZERO { Vec3::AXES[beyond.max_position()] } else { outside.normalize() };
+                (outside.length() + beyond.max_element().min(0.0), normal * local.signum())
+            }
+            Shape::Sphere { radius } => (local.length() - radius, local.normalize_or(Vec3::Y)),
+        }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), InvalidInput> {
+        match *self {
+            Shape::Box { half_extents } => check_half_extents(half_extents).map_err(|error| error.inside("shape")),
+            Shape::Sphere { radius } => check_range("shape.radius", radius, 1e-5, REACH, "m"),
+        }
+    }
 }
 
 /// Fluid at the start, on a cubic lattice.
@@ -243,6 +276,11 @@ pub struct Body {
     /// Surface samples relative to the centre of mass, m, at the depth of the scene's
     /// [`WallLayer`](crate::sampling::wall_layer::WallLayer) inside the visible surface.
     pub samples: Vec<Vec3>,
+    /// The closed shapes it consists of, relative to the centre of mass, at most [`MAX_OBJECTS`]: particles that would start with
+    /// their centre inside are left out and counted ([`StepReport::inside_solids`](crate::step::StepReport::inside_solids)).
+    /// Without, samples do not tell inside from outside, and what starts there is simulated.
+    #[serde(default)]
+    pub solids: Vec<Solid>,
 }
 
 /// How wide the kernels reach (P §4.1.4, eq. 4.1).
@@ -397,7 +435,7 @@ pub(crate) fn check_gravity(gravity: Vec3) -> Result<(), InvalidInput> {
     Ok(())
 }
 
-fn check_pose(center: Vec3, rotation: Quat) -> Result<(), InvalidInput> {
+pub(crate) fn check_pose(center: Vec3, rotation: Quat) -> Result<(), InvalidInput> {
     check_position("center", center)?;
     if !rotation.is_finite() || !rotation.is_normalized() {
         return Err(InvalidInput::new("rotation", rotation, "a unit quaternion"));
@@ -468,10 +506,7 @@ impl FluidScene {
 
 impl Volume {
     fn validate(&self) -> Result<(), InvalidInput> {
-        match self.shape {
-            Shape::Box { half_extents } => check_half_extents(half_extents).map_err(|error| error.inside("shape"))?,
-            Shape::Sphere { radius } => check_range("shape.radius", radius, 1e-5, REACH, "m")?,
-        }
+        self.shape.validate()?;
         check_pose(self.center, self.rotation)?;
         for value in self.velocity.to_array() {
             check_range("velocity", value, -1e4, 1e4, "m/s")?;
@@ -534,6 +569,13 @@ impl Body {
         for (index, &sample) in self.samples.iter().enumerate() {
             check_position("sample", sample)
                 .map_err(|error| InvalidInput { field: format!("samples[{index}]"), ..error })?;
+        }
+        if self.solids.len() > MAX_OBJECTS {
+            let value = format!("{} of them", self.solids.len());
+            return Err(InvalidInput::new("solids", value, format_args!("up to {MAX_OBJECTS}")));
+        }
+        for (index, solid) in self.solids.iter().enumerate() {
+            solid.validate().map_err(|error| error.inside(format_args!("solids[{index}]")))?;
         }
         Ok(())
     }

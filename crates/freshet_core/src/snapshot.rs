@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidInput, check_finite, check_range};
+use crate::plan::Plan;
 use crate::step::{Impulse, StepInput};
 
 /// The state a solver starts from and can return to.
@@ -103,6 +104,12 @@ pub fn check_room(particles: usize, max_particles: u32) -> Result<(), InvalidInp
 }
 
 impl Snapshot {
+    /// Whether it was taken before the first tick and holds the particles that a plan starts with: what bodies
+    /// [have inside](Plan::started_inside) is then still to be found out. For solvers.
+    pub fn is_start_of(&self, plan: &Plan) -> bool {
+        self.tick == 0 && self.positions == plan.positions
+    }
+
     /// The snapshot as bytes: eight bytes of magic and version, the CRC-32 of what follows (four bytes, the lowest first),
     /// then postcard.
     pub fn to_bytes(&self) -> Result<Vec<u8>, SnapshotError> {

@@ -64,7 +64,8 @@ impl StepInput {
 /// A change to the fluid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Command {
-    /// Adds particles; they get the next free ids in the order given.
+    /// Adds particles; they get the next free ids in the order given. Those [inside a wall or a body](crate::solid), and
+    /// those that have no room beside one, are taken out again before the first substep; until then they take room.
     Spawn(NewParticles),
     /// Removes the particles whose id is in `first .. first + count`.
     RemoveIds {
@@ -269,6 +270,16 @@ pub struct StepReport {
     pub retired: u32,
     /// Particles not spawned in this tick because the capacity was reached.
     pub refused: u32,
+    /// Particles left out in this tick because their centre was [inside a wall or a body](crate::solid): of those spawned, and
+    /// on a solver's first tick of those of the start that are in a body. They have ids and are never simulated; they are not
+    /// among the [`retired`](Self::retired). Those that start in a wall are left out by the plan:
+    /// [`Plan::left_out`](crate::plan::Plan::left_out).
+    #[serde(default)]
+    pub inside_solids: u32,
+    /// Particles left out likewise because a wall or a body was nearer to their centre than half a spacing: it would have blown
+    /// them off. Those that flow in ([`NewParticles::at`]) may be as near.
+    #[serde(default)]
+    pub beside_solids: u32,
     /// Impulse of the fluid on each body over the tick, in the plan's order.
     pub bodies: Vec<Impulse>,
     /// Cost of each pass, where it was measured.

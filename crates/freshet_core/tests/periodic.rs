@@ -102,7 +102,7 @@ fn periods_have_to_make_sense() {
     let error = refused(|scene| scene.settings.expected_speed = None);
     assert!(error.starts_with("settings.expected_speed: none") && error.contains("gravity drives"), "{error}");
     let wide = vec![Vec3::X * 0.6, Vec3::NEG_X * 0.6];
-    let error = refused(|scene| scene.bodies.push(Body { name: "plank".to_owned(), samples: wide }));
+    let error = refused(|scene| scene.bodies.push(Body { name: "plank".to_owned(), samples: wide, ..Body::default() }));
     assert!(error.starts_with("bodies[0].samples: up to 0.6 m"), "{error}");
 }
 

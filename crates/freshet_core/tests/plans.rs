@@ -18,7 +18,7 @@ fn dam_break() -> FluidScene {
 }
 
 fn cork() -> Body {
-    Body { name: "cork".to_owned(), samples: vec![Vec3::X * 0.1, Vec3::NEG_X * 0.1] }
+    Body { name: "cork".to_owned(), samples: vec![Vec3::X * 0.1, Vec3::NEG_X * 0.1], ..Body::default() }
 }
 
 fn kinds(plan: &Plan) -> Vec<StageKind> {
@@ -506,7 +506,7 @@ fn a_grid_has_no_more_cells_than_asked_for() {
 
 #[test]
 fn a_crowd_of_samples_is_refused_before_it_takes_minutes() {
-    let crowd = Body { name: "crowd".to_owned(), samples: vec![Vec3::ONE; 1_000_000] };
+    let crowd = Body { name: "crowd".to_owned(), samples: vec![Vec3::ONE; 1_000_000], ..Body::default() };
     let begin = std::time::Instant::now();
     let message = refused(&FluidScene { bodies: vec![cork(), crowd], ..dam_break() });
     assert!(
@@ -515,4 +515,49 @@ fn a_crowd_of_samples_is_refused_before_it_takes_minutes() {
     );
     // Half a million million pairs would be minutes.
     assert!(begin.elapsed().as_secs() < 10, "{:?}", begin.elapsed());
+}
+
+#[test]
+fn solids_of_bodies_are_checked() {
+    let with = |solid: Solid| {
+        let body = Body { solids: vec![Solid::ball(0.1, Vec3::ZERO), solid], ..cork() };
+        refused(&FluidScene { bodies: vec![body], ..dam_break() })
+    };
+    let error = with(Solid::ball(-1.0, Vec3::ZERO));
+    assert!(error.starts_with("bodies[0].solids[1].shape.radius: -1 is not allowed"), "{error}");
+    let error = with(Solid::block(Vec3::new(0.1, f32::NAN, 0.1), Vec3::ZERO));
+    assert!(error.starts_with("bodies[0].solids[1].shape.half_extents: NaN"), "{error}");
+    assert!(with(Solid::ball(0.1, Vec3::INFINITY)).starts_with("bodies[0].solids[1].center"));
+    let shrunk = Solid { rotation: Quat::from_xyzw(0.0, 0.0, 0.0, 0.5), ..Solid::ball(0.1, Vec3::ZERO) };
+    assert!(with(shrunk).contains("a unit quaternion"));
+    let many = Body { solids: vec![Solid::ball(0.1, Vec3::ZERO); MAX_OBJECTS + 1], ..cork() };
+    let error = refused(&FluidScene { bodies: vec![many], ..dam_break() });
+    assert!(error.starts_with("bodies[0].solids: 10001 of them"), "{error}");
+}
+
+/// A block turned by half a right angle in a turned wall, another in no wall, and a third all in a wall.
+#[test]
+fn what_starts_in_a_wall_is_left_out_by_volume() {
+    let turned = Quat::from_rotation_y(std::f32::consts::FRAC_PI_4);
+    let wall =
+        Boundary { rotation: turned, ..Boundary::new(BoundaryShape::Box { half_extents: Vec3::ONE }, Vec3::ZERO) };
+    let block = |at: f32| Volume { rotation: turned, ..Volume::block(Vec3::splat(0.2), turned * Vec3::X * at) };
+    let volumes = vec![block(0.98), block(3.0), block(0.0), Volume { hydrostatic: false, ..block(-0.98) }];
+    let scene = FluidScene { volumes, boundaries: vec![wall], ..FluidScene::with_spacing(0.1) };
+    let plan = Plan::new(&scene).unwrap();
+    // Layers of 16 at 0.83, 0.93, 1.03 and 1.13 m; the nearest to the face at 1 m is beside it, and others are there.
+    let counts: Vec<_> = plan.left_out.iter().map(|some| (some.volume, some.inside, some.crowded)).collect();
+    assert_eq!(counts, [(0, 32, 16), (2, 64, 0), (3, 32, 16)]);
+    assert_eq!(plan.volume_ids, [(0, 16), (16, 64), (80, 0), (80, 16)]);
+    assert_eq!((plan.positions.len(), plan.velocities.len()), (96, 96));
+    assert!(plan.to_string().contains("volumes[2]: 64 of 64 particles are left out"), "{plan}");
+
+    // Alone it is moved out of the way: none is too near.
+    let alone = FluidScene { volumes: vec![scene.volumes[3].clone()], ..scene.clone() };
+    let plan = Plan::new(&alone).unwrap();
+    assert_eq!((plan.left_out[0].inside, plan.left_out[0].crowded, plan.positions.len()), (32, 0, 32));
+    let nearest =
+        plan.positions.iter().map(|point| -1.0 - (turned.conjugate() * *point).x).fold(f32::INFINITY, f32::min);
+    assert!((nearest - 0.05).abs() < 1e-5, "{nearest}");
+    assert!(Plan::new(&dam_break()).unwrap().left_out.is_empty());
 }

@@ -8,6 +8,7 @@ use freshet_core::kernel::Kernel;
 use freshet_core::near_pressure;
 use freshet_core::plan::{Parameters, Plan, StageKind};
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
+use freshet_core::solid::Misplaced;
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
 use freshet_core::step::{PassTime, StepInput, StepReport};
 use glam::Vec3;
@@ -74,6 +75,8 @@ pub struct CpuSolver {
     emitted: Option<f64>,
     next_id: u32,
     mortal: bool,
+    /// There was no tick yet, and the particles are the plan's, in its order.
+    fresh: bool,
 }
 
 /// Sums and extremes over a tick.
@@ -140,6 +143,7 @@ impl CpuSolver {
             carry: 0.0,
             emitted: None,
             mortal: false,
+            fresh: true,
             plan,
         };
         solver.take_plan();
@@ -206,6 +210,13 @@ impl CpuSolver {
     fn tick(&mut self, input: &StepInput) -> StepReport {
         let begin = Instant::now();
         let mut report = StepReport { tick: input.tick, ..StepReport::default() };
+        if std::mem::take(&mut self.fresh) {
+            for Misplaced { index, inside } in self.plan.started_inside(&input.bodies) {
+                self.particles.life[index as usize] = -1.0;
+                *(if inside { &mut report.inside_solids } else { &mut report.beside_solids }) += 1;
+            }
+        }
+        let misplaced = self.plan.spawned_inside(input);
         let mut population = Population {
             particles: &mut self.particles,
             max_particles: self.plan.max_particles,
@@ -214,10 +225,16 @@ impl CpuSolver {
             emitted: &mut self.emitted,
             mortal: &mut self.mortal,
             time: self.time,
+            misplaced: &misplaced,
+            asked: 0,
+            left_out: [0; 2],
         };
         for command in &input.commands {
             report.refused += population.carry_out(command);
         }
+        let [inside, beside] = population.left_out;
+        report.inside_solids += inside;
+        report.beside_solids += beside;
         if self.plan.grid.periodic.any() {
             self.particles.wrap(&self.plan.grid.periodic);
         }
@@ -271,7 +288,8 @@ impl CpuSolver {
         report.max_compression = tally.max_compression;
         report.max_speed = tally.max_speed;
         report.removed = tally.dropped.removed;
-        report.retired = tally.dropped.retired;
+        // Those misplaced fell out with the others, at the first sort.
+        report.retired = tally.dropped.retired.saturating_sub(report.inside_solids + report.beside_solids);
         report.bodies = self.bodies.iter().map(|body| body.impulse).collect();
         report.passes = tally
             .times
@@ -558,6 +576,7 @@ impl FluidSolver for CpuSolver {
         self.emitted = snapshot.emitted;
         self.next_id = snapshot.next_id;
         self.gravity = snapshot.gravity;
+        self.fresh = snapshot.is_start_of(&self.plan);
         self.exchanges.clone_from(&snapshot.exchanges);
         self.poses.clone_from(&snapshot.poses);
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
@@ -572,6 +591,7 @@ impl FluidSolver for CpuSolver {
         self.exchanges = carried_over(&self.exchanges, &before);
         self.poses = carried_over(&self.poses, &before);
         self.schedule.passes = passes;
+        self.fresh &= plan.positions == self.plan.positions;
         self.plan = plan;
         self.take_plan();
         Ok(())

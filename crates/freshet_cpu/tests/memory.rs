@@ -43,7 +43,7 @@ fn scene() -> FluidScene {
         ..FluidScene::with_spacing(0.05)
     };
     let samples = scene.wall_layer().unwrap().sphere_surface(0.3).unwrap();
-    scene.bodies = vec![Body { name: "ball".to_owned(), samples }; 8];
+    scene.bodies = vec![Body { name: "ball".to_owned(), samples, ..Body::default() }; 8];
     scene
 }
 

@@ -404,7 +404,7 @@ fn a_body_gets_what_the_fluid_loses() {
     let mut scene = FluidScene { gravity: Vec3::ZERO, ..FluidScene::with_spacing(0.05) };
     scene.volumes = vec![Volume { velocity: Vec3::X, ..Volume::block(Vec3::splat(0.15), Vec3::new(-0.35, 0.02, 0.0)) }];
     let samples = scene.wall_layer().unwrap().sphere_surface(0.15).unwrap();
-    scene.bodies = vec![Body { name: "ball".to_owned(), samples }];
+    scene.bodies = vec![Body { name: "ball".to_owned(), samples, ..Body::default() }];
     let mut solver = solver(&scene, 2);
     let mass = f64::from(solver.plan().parameters.particle_mass);
     let before = total_velocity(&mut solver) * mass;

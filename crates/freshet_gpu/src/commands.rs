@@ -1,5 +1,6 @@
 //! A tick's commands as uploads and dispatches.
 
+use freshet_core::solid::Misplaced;
 use freshet_core::solver::SolverError;
 use freshet_core::step::Command;
 use glam::Vec3;
@@ -22,6 +23,33 @@ enum Edit {
     RemoveInBox { min: Vec3, max: Vec3 },
 }
 
+/// Lifetime of particles that are never simulated, s: over, whenever they are said to be where they are spawned.
+const OVER: f32 = f32::MIN;
+
+/// Particles of a tick that are inside or beside a wall or a body: they fall out at its first sort.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct LeftOut {
+    /// Particles of the start, by id, in order.
+    pub started: Vec<Misplaced>,
+    /// Particles that commands spawn, by their place among all that the tick's commands do, in order.
+    pub spawned: Vec<Misplaced>,
+}
+
+impl LeftOut {
+    /// How many there were inside, and how many beside, in a tick that was to spawn `asked` particles and had no room for the
+    /// last `refused` of them.
+    pub fn count(&self, asked: u32, refused: u32) -> [u32; 2] {
+        let made = asked.saturating_sub(refused);
+        let spawned = self.spawned.iter().take_while(|one| one.index < made);
+        spawned.chain(&self.started).fold(
+            [0; 2],
+            |[inside, beside], one| {
+                if one.inside { [inside + 1, beside] } else { [inside, beside + 1] }
+            },
+        )
+    }
+}
+
 /// The changes to particles that a tick asks for, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Edits {
@@ -29,14 +57,22 @@ pub(crate) struct Edits {
     spawned: Vec<SpawnRecord>,
     /// The GPU's clock at the time up to which ages count.
     clock: u32,
+    /// Particles that are never simulated.
+    pub left_out: LeftOut,
     /// Latest of the times at which particles were said to be where they are spawned, s.
     pub emitted: Option<f64>,
 }
 
 impl Edits {
     /// Reads commands; `gravity` is set by those that set it. The GPU's clock was at `clock` at the simulated time `time`, s.
-    pub fn of(commands: &[Command], gravity: &mut Vec3, (time, clock): (f64, u32)) -> Self {
+    pub fn of(commands: &[Command], left_out: LeftOut, gravity: &mut Vec3, (time, clock): (f64, u32)) -> Self {
         let mut edits = Self { clock, ..Self::default() };
+        for &Misplaced { index: id, .. } in &left_out.started {
+            match edits.list.last_mut() {
+                Some(Edit::RemoveIds { first, count }) if *first + *count == id => *count += 1,
+                _ => edits.list.push(Edit::RemoveIds { first: id, count: 1 }),
+            }
+        }
         for command in commands {
             match command {
                 Command::Spawn(particles) if particles.positions.is_empty() => {}
@@ -59,6 +95,10 @@ impl Edits {
                 &Command::SetGravity(set) => *gravity = set,
             }
         }
+        for one in &left_out.spawned {
+            edits.spawned[one.index as usize].lifetime = OVER;
+        }
+        edits.left_out = left_out;
         edits
     }
 

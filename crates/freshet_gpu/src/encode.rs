@@ -9,7 +9,7 @@ use crate::layout::Binding;
 use crate::passes::Dispatch;
 use crate::pipelines::Pipeline;
 use crate::pool::fitting_capacity;
-use crate::solver::{GpuSolver, PreparedTick, TickMemo};
+use crate::solver::{GpuSolver, PreparedTick, Spawning, TickMemo};
 
 impl GpuSolver {
     /// Encodes all prepared ticks. Submit the encoder's commands, then call [`collect`](Self::collect).
@@ -25,7 +25,7 @@ impl GpuSolver {
 
     fn encode_tick(&mut self, encoder: &mut wgpu::CommandEncoder, tick: &PreparedTick) -> Result<(), SolverError> {
         let bound = self.most_particles();
-        self.spawning.push_back(tick.about.spawned);
+        self.spawning.push_back(Spawning { count: tick.about.spawned, left_out: tick.edits.left_out.clone() });
         self.emitted = self.emitted.into_iter().chain(tick.edits.emitted).reduce(f64::max);
         self.fit(encoder, bound.saturating_add(tick.about.spawned))?;
         self.encode_beginning(encoder, tick, bound)?;
@@ -35,7 +35,7 @@ impl GpuSolver {
 
     /// No fewer particles than there can be, from the last report and what was spawned since.
     fn most_particles(&self) -> u32 {
-        let spawned = self.spawning.iter().fold(0u32, |sum, &count| sum.saturating_add(count));
+        let spawned = self.spawning.iter().fold(0u32, |sum, tick| sum.saturating_add(tick.count));
         self.known.particles.saturating_add(spawned).min(self.plan.max_particles)
     }
 

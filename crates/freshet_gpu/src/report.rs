@@ -57,6 +57,9 @@ impl Arrival {
             removed: control.removed.0,
             retired: control.retired.0,
             refused: control.refused,
+            // Only the CPU knows of those.
+            inside_solids: 0,
+            beside_solids: 0,
             bodies: self
                 .bodies
                 .iter()

@@ -8,7 +8,7 @@ use freshet_core::step::{StepInput, StepReport};
 use glam::Vec3;
 
 use crate::buffers::{Buffers, INPUT_STRIDE, TICK_SLOTS};
-use crate::commands::Edits;
+use crate::commands::{Edits, LeftOut};
 use crate::compiled::Compiled;
 use crate::layout::{Binding, BodyInputRecord, ParticleRecord, StepControl, TickRecord};
 use crate::memory::Memory;
@@ -36,6 +36,13 @@ pub(crate) struct TickMemo {
     pub encoded: u32,
     /// Particles it spawns.
     pub spawned: u32,
+}
+
+/// What a tick spawns.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Spawning {
+    pub count: u32,
+    pub left_out: LeftOut,
 }
 
 /// What the last report that arrived said.
@@ -72,7 +79,11 @@ pub struct GpuSolver {
     /// Reports that arrived while something else was waited for; the next `collect` gives them.
     pub(crate) late: Vec<StepReport>,
     /// Particles spawned by each tick whose report has not arrived.
-    pub(crate) spawning: VecDeque<u32>,
+    pub(crate) spawning: VecDeque<Spawning>,
+    /// Particles left out that have not fallen out yet: a tick of no duration does not sort.
+    pub(crate) falling: u32,
+    /// There was no tick yet, and the particles are the plan's, in its order.
+    pub(crate) fresh: bool,
     pub(crate) known: Known,
     pub(crate) generation: u64,
     pub(crate) gravity: Vec3,
@@ -131,6 +142,8 @@ impl GpuSolver {
             prepared: VecDeque::new(),
             late: Vec::new(),
             spawning: VecDeque::new(),
+            falling: 0,
+            fresh: true,
             known: Known::default(),
             generation: 0,
             time: 0.0,
@@ -157,7 +170,10 @@ impl GpuSolver {
         }
         let slot = self.next_slot;
         self.next_slot = (slot + 1) % TICK_SLOTS as u32;
-        let edits = Edits::of(&input.commands, &mut self.gravity, (self.time, self.known.clock));
+        let fresh = std::mem::take(&mut self.fresh);
+        let started = if fresh { self.plan.started_inside(&input.bodies) } else { Vec::new() };
+        let left_out = LeftOut { started, spawned: self.plan.spawned_inside(input) };
+        let edits = Edits::of(&input.commands, left_out, &mut self.gravity, (self.time, self.known.clock));
         let bodies = self.plan.bodies.len() as u32;
         let record = TickRecord {
             gravity: self.gravity,
@@ -220,7 +236,13 @@ impl GpuSolver {
         if report.smallest_substep > 0.0 {
             self.known.substep = report.smallest_substep;
         }
-        self.spawning.pop_front();
+        if let Some(Spawning { count, left_out }) = self.spawning.pop_front() {
+            [report.inside_solids, report.beside_solids] = left_out.count(count, report.refused);
+            self.falling += report.inside_solids + report.beside_solids;
+            let fallen = self.falling.min(report.retired);
+            report.retired -= fallen;
+            self.falling -= fallen;
+        }
         self.time += report.simulated;
         self.ticks = about.tick + 1;
         Ok(report)

@@ -117,6 +117,8 @@ impl GpuSolver {
         self.time = snapshot.time;
         self.emitted = snapshot.emitted;
         self.ticks = snapshot.tick;
+        self.falling = 0;
+        self.fresh = snapshot.is_start_of(&self.plan);
         let particles: Vec<ParticleRecord> = (0..snapshot.ids.len())
             .map(|index| ParticleRecord {
                 position: snapshot.positions[index],

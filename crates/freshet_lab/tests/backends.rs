@@ -21,7 +21,7 @@ fn scene() -> FluidScene {
     };
     let samples = scene.wall_layer().unwrap().sphere_surface(RADIUS).unwrap();
     for name in ["fixed", "light"] {
-        scene.bodies.push(Body { name: name.to_owned(), samples: samples.clone() });
+        scene.bodies.push(Body { name: name.to_owned(), samples: samples.clone(), ..Body::default() });
     }
     scene
 }

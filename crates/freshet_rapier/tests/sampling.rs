@@ -46,6 +46,11 @@ fn samples_are_about_the_centre_of_mass() {
         let depth = (Vec3::new(0.1, 0.2, 0.15) - (back * *sample).abs()).min_element();
         assert!((depth - layer().depth).abs() < 1e-5, "{sample}");
     }
+    // What is solid lies as they do.
+    let [solid] = body.solids[..] else { panic!("{:?}", body.solids) };
+    let (inside, outside) = (Vec3::new(0.09, 0.19, 0.14), Vec3::new(0.11, 0.19, 0.14));
+    let turn = back.conjugate();
+    assert!(solid.contains(turn * inside, 0.0) && !solid.contains(turn * outside, 0.0), "{solid:?}");
 }
 
 #[test]
@@ -58,6 +63,14 @@ fn two_balls_have_the_samples_of_both() {
     world.bodies[handle].recompute_mass_properties_from_colliders(&world.colliders);
     let body = body_from_rigid_body("dumbbell", &world.bodies[handle], &world.colliders, &layer()).unwrap();
     assert_eq!(body.samples.len(), 2 * one, "and none of the sensor");
+    assert_eq!(body.solids.len(), 2, "and none of the sensor");
+    for x in [-0.44, -0.16, 0.16, 0.44] {
+        let point = Vec3::X * x;
+        assert!(body.solids.iter().any(|solid| solid.contains(point, 0.0)), "{x}");
+    }
+    for x in [-0.46, -0.14, 0.0, 0.14, 0.46] {
+        assert!(!body.solids.iter().any(|solid| solid.contains(Vec3::X * x, 0.0)), "{x}");
+    }
 }
 
 #[test]

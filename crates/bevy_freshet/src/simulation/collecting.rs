@@ -76,6 +76,8 @@ fn take_report(state: &mut DomainState, stats: &mut FluidStats, report: &StepRep
     stats.removed += u64::from(report.removed);
     stats.retired += u64::from(report.retired);
     stats.refused += u64::from(report.refused);
+    stats.inside_solids += u64::from(report.inside_solids);
+    stats.beside_solids += u64::from(report.beside_solids);
     stats.milliseconds = milliseconds;
     stats.passes = report
         .passes

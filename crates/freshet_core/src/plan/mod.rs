@@ -4,6 +4,7 @@ mod checks;
 mod display;
 mod error;
 mod extent;
+mod left_out;
 mod parameters;
 mod resolution;
 mod sampling;
@@ -15,12 +16,14 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 pub use self::error::SceneError;
+pub use self::left_out::LeftOut;
 pub use self::parameters::Parameters;
 pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_volume};
 pub use self::stages::{Stage, StageKind};
 
 use self::checks::{check_bounds, check_driven, check_particles_within, check_periods, check_precision, max_particles};
 use self::extent::Extent;
+use self::left_out::{Start, leave_out};
 use self::resolution::{kernel_of, spacing_of};
 use self::sampling::{plan_body, sample_boundaries, sample_volumes, stand};
 use self::speeds::{equation_and_sound_speed, expected_speed};
@@ -52,6 +55,9 @@ pub struct Plan {
     pub velocities: Vec<Vec3>,
     /// For each volume of the scene, its first id and its number of particles.
     pub volume_ids: Vec<(u32, u32)>,
+    /// What the volumes have inside of walls, which is none of the above: for each pair of a volume and a boundary, in the order
+    /// of the volumes. Empty if all is well; [`notes`](Self::notes) say the same in words.
+    pub left_out: Vec<LeftOut>,
     /// Emitters, whose layers become commands of the ticks.
     pub emitters: Vec<Emitter>,
     /// Samples of boundaries.
@@ -72,7 +78,7 @@ pub struct Plan {
 const MAX_SOUND_SPEED: f32 = 1e4;
 
 impl Plan {
-    /// Plans a scene.
+    /// Plans a scene. Particles of its volumes that would start inside a wall are left out: see [`left_out`](Self::left_out).
     ///
     /// # Errors
     /// Any value out of range, volumes that overlap or reach out of the bounds, a spacing larger than a volume, too many
@@ -92,10 +98,20 @@ impl Plan {
         for (index, emitter) in scene.emitters.iter().enumerate() {
             emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;
         }
-        let (mut positions, velocities, volume_ids) = sample_volumes(&scene.volumes, spacing)?;
+        let (mut positions, mut velocities, mut volume_ids) = sample_volumes(&scene.volumes, spacing)?;
         check_particles_within(&periodic, &positions, spacing)?;
         let layer = WallLayer::new(&kernel, spacing);
         let boundary = sample_boundaries(&scene.boundaries, &periodic, &layer)?;
+        let asked = volume_ids.clone();
+        let start = Start { positions: &mut positions, velocities: &mut velocities, ids: &mut volume_ids };
+        let left_out = leave_out(start, &scene.volumes, &scene.boundaries, &periodic, &layer);
+        notes.extend(left_out.iter().map(|&LeftOut { volume, boundary, inside, crowded }| {
+            let (count, all) = (inside + crowded, asked[volume].1);
+            format!(
+                "volumes[{volume}]: {count} of {all} particles are left out: {inside} have their centre inside \
+                 boundaries[{boundary}], {crowded} are nearer to it than half a spacing"
+            )
+        }));
         let plan_body = |(index, body)| {
             plan_body(body, &periodic, &layer, support_radius)
                 .map_err(|error| error.inside(format_args!("bodies[{index}]")))
@@ -181,6 +197,7 @@ impl Plan {
             positions,
             velocities,
             volume_ids,
+            left_out,
             emitters: scene.emitters.clone(),
             boundary,
             bodies,

@@ -12,6 +12,7 @@ use crate::periodic::Periodic;
 use crate::sampling::lattice::{sample_box, sample_sphere};
 use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{Body, Boundary, BoundaryShape, MAX_PARTICLES, Shape, Volume};
+use crate::solid::Solid;
 
 /// Samples of all boundaries that do not move.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,6 +25,8 @@ pub struct PlannedBoundary {
     pub viscous: Vec<bool>,
     /// Velocities of the surfaces they stand for, m/s; empty if none moves.
     pub velocities: Vec<Vec3>,
+    /// Where walls are solid, in world coordinates.
+    pub solids: Vec<Solid>,
 }
 
 /// A body with the weights of its samples.
@@ -35,6 +38,8 @@ pub struct PlannedBody {
     pub samples: Vec<Vec3>,
     /// Volume weights, m3.
     pub volumes: Vec<f32>,
+    /// Where it is solid, relative to the centre of mass.
+    pub solids: Vec<Solid>,
 }
 
 /// Particles of all volumes with their velocities, and for each volume its first id and its number of particles.
@@ -108,6 +113,7 @@ pub(super) fn sample_boundaries(
             planned.velocities.extend(samples.iter().map(|_| boundary.velocity));
         }
         planned.positions.extend(samples);
+        planned.solids.extend(boundary.solids(layer));
     }
     Ok(planned)
 }
@@ -187,5 +193,5 @@ pub(super) fn plan_body(
     check_crowding(&body.samples, support_radius)?;
     check_width(&body.samples, periodic, support_radius)?;
     let volumes = layer.volumes(&body.samples);
-    Ok(PlannedBody { name: body.name.clone(), samples: body.samples.clone(), volumes })
+    Ok(PlannedBody { name: body.name.clone(), samples: body.samples.clone(), volumes, solids: body.solids.clone() })
 }

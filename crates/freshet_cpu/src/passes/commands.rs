@@ -1,5 +1,6 @@
 //! Commands, carried out before a tick's first substep: they add particles, and end the lives of others.
 
+use freshet_core::solid::Misplaced;
 use freshet_core::step::{Command, NewParticles};
 use glam::Vec3;
 
@@ -21,6 +22,13 @@ pub struct Population<'a> {
     pub mortal: &'a mut bool,
     /// Simulated time at the start of the tick, s.
     pub time: f64,
+    /// Of the particles that this and later commands spawn, those inside or beside a wall or a body, by their place among all
+    /// that the tick's commands spawn, in order.
+    pub misplaced: &'a [Misplaced],
+    /// Particles that the tick's commands were to spawn so far.
+    pub asked: u32,
+    /// Particles made and left out, because they are inside; because they are beside.
+    pub left_out: [u32; 2],
 }
 
 impl Population<'_> {
@@ -47,9 +55,21 @@ impl Population<'_> {
         // How long ago they were where they are said to be; negative if they will be.
         let age = new.at.map_or(0.0, |at| (self.time - at) as f32);
         for (&position, &velocity) in new.positions.iter().zip(&new.velocities).take(count) {
-            self.particles.push(*self.next_id, position + velocity * age, velocity, new.lifetime - age);
+            // Those misplaced have an id, like those a command removes, and fall out at the next sort.
+            let misplaced = self.misplaced.split_first().filter(|(one, _)| one.index == self.asked);
+            let life = if misplaced.is_some() { -1.0 } else { new.lifetime - age };
+            self.particles.push(*self.next_id, position + velocity * age, velocity, life);
             *self.next_id = self.next_id.wrapping_add(1);
+            self.asked += 1;
+            if let Some((one, others)) = misplaced {
+                self.misplaced = others;
+                self.left_out[usize::from(!one.inside)] += 1;
+            }
         }
+        // Those refused are none of them.
+        self.asked += (new.positions.len() - count) as u32;
+        let refused = self.misplaced.partition_point(|one| one.index < self.asked);
+        self.misplaced = &self.misplaced[refused..];
         *self.emitted = (*self.emitted).into_iter().chain(new.at).reduce(f64::max);
         *self.mortal |= new.lifetime.is_finite();
         (new.positions.len() - count) as u32

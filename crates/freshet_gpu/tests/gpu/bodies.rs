@@ -23,7 +23,7 @@ fn ball(radius: f32, density: f32) -> (Body, BodyInput) {
         inverse_inertia: Mat3::IDENTITY * (2.5 / (mass * radius * radius)),
         ..Default::default()
     };
-    (Body { name: "ball".to_owned(), samples }, input)
+    (Body { name: "ball".to_owned(), samples, ..Body::default() }, input)
 }
 
 /// A block of a soft gas without gravity or walls, which pushes everywhere, and a ball that dips into its side.

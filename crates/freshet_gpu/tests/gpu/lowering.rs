@@ -8,7 +8,7 @@ use crate::common::{dam_break, device, solver, solver_with};
 
 fn with_body() -> FluidScene {
     let samples = vec![Vec3::ZERO, Vec3::X * 0.04, Vec3::Y * 0.04];
-    FluidScene { bodies: vec![Body { name: "ball".to_owned(), samples }], ..dam_break(0.05) }
+    FluidScene { bodies: vec![Body { name: "ball".to_owned(), samples, ..Body::default() }], ..dam_break(0.05) }
 }
 
 fn names(solver: &GpuSolver) -> (Vec<&'static str>, Vec<&'static str>) {

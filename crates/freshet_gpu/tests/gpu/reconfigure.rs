@@ -23,7 +23,7 @@ fn anew(scene: &FluidScene, from: &mut GpuSolver) -> GpuSolver {
 #[test]
 fn a_changed_plan_gives_the_bits_of_a_solver_made_for_it() {
     let walls = FluidScene { boundaries: Vec::new(), ..dam_break(0.05) };
-    let body = Body { name: "ball".to_owned(), samples: vec![Vec3::ZERO, Vec3::X * 0.04] };
+    let body = Body { name: "ball".to_owned(), samples: vec![Vec3::ZERO, Vec3::X * 0.04], ..Body::default() };
     let mut kernel = dam_break(0.05);
     kernel.settings.kernel = KernelKind::CubicSpline;
     // A moved wall keeps the pipelines, the others do not; the last comes back to the first.

@@ -64,7 +64,7 @@ pub fn scene(container: Container) -> Result<FluidScene, SceneError> {
         Container::Body => {
             let open = [false, false, false, true, false, false];
             let samples = scene.wall_layer()?.container(size / 2.0, open)?;
-            scene.bodies.push(Body { name: "container".to_owned(), samples });
+            scene.bodies.push(Body { name: "container".to_owned(), samples, ..Body::default() });
         }
     }
     Ok(scene)

@@ -60,7 +60,7 @@ fn scene(resolution: u32) -> Result<FluidScene, SceneError> {
     };
     let open = [false, false, false, true, false, false];
     let samples = scene.wall_layer()?.container(Vec3::new(POOL, WALLS, POOL) / 2.0, open)?;
-    scene.bodies.push(Body { name: "pool".to_owned(), samples });
+    scene.bodies.push(Body { name: "pool".to_owned(), samples, ..Body::default() });
     Ok(scene)
 }
 

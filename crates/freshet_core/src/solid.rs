@@ -1,0 +1,375 @@
+//! Where no fluid may start: the insides of walls and bodies.
+//!
+//! A particle that starts there would be thrown out by all samples around it at once, or be caught. Whether a centre is inside is
+//! asked of closed shapes and not of samples, when particles come into being and never again: a plan leaves out those of its
+//! volumes that start in a wall ([`Plan::left_out`](crate::plan::Plan::left_out)); bodies have a place from the first tick on, so
+//! solvers ask then, and for what commands spawn ([`StepReport::inside_solids`](crate::step::StepReport::inside_solids)).
+
+use glam::{Mat3, Quat, Vec3};
+use serde::{Deserialize, Serialize};
+
+use crate::error::InvalidInput;
+use crate::periodic::Periodic;
+use crate::plan::Plan;
+use crate::sampling::wall_layer::WallLayer;
+use crate::scene::{Boundary, BoundaryShape, Shape, check_pose};
+use crate::step::{BodyInput, Command, StepInput};
+
+/// A closed shape with no fluid in it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Solid {
+    /// Its shape; sizes from 1e-5 to 1e6 m.
+    pub shape: Shape,
+    /// Centre of the shape, m, within 1e6 m of the origin.
+    pub center: Vec3,
+    /// Orientation of the shape, a unit quaternion.
+    #[serde(default)]
+    pub rotation: Quat,
+}
+
+impl Solid {
+    /// A box of half its edge lengths, m, that is not turned.
+    pub fn block(half_extents: Vec3, center: Vec3) -> Self {
+        Self { shape: Shape::Box { half_extents }, center, rotation: Quat::IDENTITY }
+    }
+
+    /// A ball of a radius in m.
+    pub fn ball(radius: f32, center: Vec3) -> Self {
+        Self { shape: Shape::Sphere { radius }, center, rotation: Quat::IDENTITY }
+    }
+
+    /// The same, moved and turned with the frame it is given in.
+    #[must_use]
+    pub fn placed(&self, position: Vec3, rotation: Quat) -> Self {
+        Self { center: position + rotation * self.center, rotation: rotation * self.rotation, ..*self }
+    }
+
+    /// Whether a point is more than `tolerance` metres (0 or more) below the surface. A point on the surface is outside.
+    pub fn contains(&self, point: Vec3, tolerance: f32) -> bool {
+        self.distance(point - self.center).0 < -tolerance
+    }
+
+    /// Distance from the surface of a point relative to the centre, m, negative inside, and the direction away from it.
+    fn distance(&self, offset: Vec3) -> (f32, Vec3) {
+        let (distance, normal) = self.shape.distance(self.rotation.conjugate() * offset);
+        (distance, self.rotation * normal)
+    }
+
+    /// Half the edges of the box along the axes that is around it, m.
+    fn reach(&self) -> Vec3 {
+        match self.shape {
+            Shape::Box { half_extents } => {
+                let axes = Mat3::from_quat(self.rotation) * Mat3::from_diagonal(half_extents);
+                axes.x_axis.abs() + axes.y_axis.abs() + axes.z_axis.abs()
+            }
+            Shape::Sphere { radius } => Vec3::splat(radius),
+        }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), InvalidInput> {
+        self.shape.validate()?;
+        check_pose(self.center, self.rotation)
+    }
+}
+
+impl Boundary {
+    /// What of it is solid, in world coordinates.
+    ///
+    /// A [box](BoundaryShape::Box) is, all of it. A [plane](BoundaryShape::Plane) and the faces of a
+    /// [container](BoundaryShape::Container) are walls twice as thick as their samples lie deep, for the samples push to both
+    /// sides alike: what is farther behind is not in the wall but beyond it, where another tank may stand.
+    pub fn solids(&self, layer: &WallLayer) -> Vec<Solid> {
+        let thickness = 2.0 * layer.depth;
+        let place = |solid: Solid| solid.placed(self.center, self.rotation);
+        match self.shape {
+            BoundaryShape::Box { half_extents } => vec![place(Solid::block(half_extents, Vec3::ZERO))],
+            BoundaryShape::Plane { half_extents: [x, z] } => {
+                vec![place(Solid::block(Vec3::new(x, layer.depth, z), Vec3::NEG_Y * layer.depth))]
+            }
+            BoundaryShape::Container { half_extents, open } => {
+                // Corners are closed where both faces are.
+                let beyond = |face: usize| if open[face] { 0.0 } else { thickness };
+                let low = -half_extents - Vec3::from([0, 2, 4].map(beyond));
+                let high = half_extents + Vec3::from([1, 3, 5].map(beyond));
+                let slab = |face: usize| {
+                    let (mut low, mut high) = (low, high);
+                    if face.is_multiple_of(2) {
+                        high[face / 2] = -half_extents[face / 2];
+                    } else {
+                        low[face / 2] = half_extents[face / 2];
+                    }
+                    place(Solid::block(0.5 * (high - low), 0.5 * (high + low)))
+                };
+                (0..6).filter(|&face| !open[face]).map(slab).collect()
+            }
+        }
+    }
+}
+
+/// What is less deep than this share of the spacing is not inside, and what is less near not beside: as far as positions are
+/// told apart, at worst.
+const TOLERANCE: f32 = 1.0 / 64.0;
+
+/// Distance from a face of fluid at rest, over the spacing.
+const CALM: f32 = 0.5;
+
+/// Where a point is. The index is whose solid it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Place {
+    /// In it.
+    Inside(usize),
+    /// In front of it, nearer than fluid at rest would be, by this way.
+    Beside(usize, Vec3),
+    /// Where fluid at rest can be.
+    Free,
+}
+
+/// Solids that points of a set may lie in, each with an index of whose it is.
+pub(crate) struct Obstacles {
+    solids: Vec<(usize, Solid)>,
+    periodic: Periodic,
+    spacing: f32,
+}
+
+impl Obstacles {
+    /// Of all solids those near the points.
+    pub(crate) fn near(
+        points: &[Vec3],
+        all: impl Iterator<Item = (usize, Solid)>,
+        periodic: Periodic,
+        spacing: f32,
+    ) -> Self {
+        // Points may move by a spacing, and are beside what is half a spacing away.
+        let margin = 2.0 * spacing;
+        let low = points.iter().copied().fold(Vec3::INFINITY, Vec3::min) - margin;
+        let high = points.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max) + margin;
+        let is_near = |(_, solid): &(usize, Solid)| {
+            let way = solid.center.clamp(low, high) - solid.center;
+            // Along an axis that repeats, images are anywhere.
+            periodic.across(way).abs().cmple(solid.reach()).all()
+        };
+        let solids = if points.is_empty() { Vec::new() } else { all.filter(is_near).collect() };
+        Self { solids, periodic, spacing }
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.solids.is_empty()
+    }
+
+    /// Where a point is: inside of the first it is inside of, or else beside the nearest.
+    pub(crate) fn place(&self, point: Vec3) -> Place {
+        let calm = CALM * self.spacing;
+        let mut nearest = (calm - TOLERANCE * self.spacing, Place::Free);
+        for &(owner, solid) in &self.solids {
+            let (distance, normal) = solid.distance(self.periodic.nearest(point - solid.center));
+            if distance < -TOLERANCE * self.spacing {
+                return Place::Inside(owner);
+            }
+            if distance < nearest.0 {
+                nearest = (distance, Place::Beside(owner, (calm - distance) * normal));
+            }
+        }
+        nearest.1
+    }
+
+    /// The way, up to half a spacing from each of three faces, by which all points together move to where each is free. None if
+    /// there is no such.
+    pub(crate) fn way_out(&self, points: &[Vec3]) -> Option<Vec3> {
+        let mut way = Vec3::ZERO;
+        // One round for each face of a corner, and one that finds nothing left.
+        for _ in 0..4 {
+            let mut most = Vec3::ZERO;
+            for &point in points {
+                match self.place(point + way) {
+                    Place::Inside(_) => return None,
+                    Place::Beside(_, needed) if needed.length_squared() > most.length_squared() => most = needed,
+                    _ => {}
+                }
+            }
+            if most == Vec3::ZERO {
+                return Some(way);
+            }
+            way += most;
+        }
+        None
+    }
+}
+
+/// A particle that a tick leaves out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Misplaced {
+    /// Which, counted from zero.
+    pub index: u32,
+    /// Whether its centre is inside a wall or a body, and not just nearer than half a spacing to one.
+    pub inside: bool,
+}
+
+impl Plan {
+    /// Particles of the start whose centre is inside a body, or nearer to one than half a spacing, by index into
+    /// [`positions`](Self::positions), in order.
+    ///
+    /// For solvers, which ask on the first tick: before it bodies have no place. `bodies` are that tick's, in the plan's order.
+    pub fn started_inside(&self, bodies: &[BodyInput]) -> Vec<Misplaced> {
+        self.misplaced(&self.positions, self.body_solids(bodies), true)
+    }
+
+    /// Particles that a tick's commands are to spawn with their centre inside a wall or a body, counted over all
+    /// [spawned](Command::Spawn) in the tick, in order. Those that do not flow in ([`NewParticles::at`](crate::step::NewParticles::at) is none) neither may be
+    /// nearer to one than half a spacing.
+    ///
+    /// Positions are taken as given, walls and bodies where they are at the start of the tick.
+    pub fn spawned_inside(&self, input: &StepInput) -> Vec<Misplaced> {
+        let mut first = 0;
+        let mut all = Vec::new();
+        for command in &input.commands {
+            if let Command::Spawn(new) = command {
+                let solids = self.boundary.solids.iter().copied().chain(self.body_solids(&input.bodies));
+                let found = self.misplaced(&new.positions, solids, new.at.is_none());
+                all.extend(found.into_iter().map(|one| Misplaced { index: first + one.index, ..one }));
+                first += new.positions.len() as u32;
+            }
+        }
+        all
+    }
+
+    /// In world coordinates.
+    fn body_solids(&self, bodies: &[BodyInput]) -> impl Iterator<Item = Solid> {
+        self.bodies
+            .iter()
+            .zip(bodies)
+            .flat_map(|(planned, body)| planned.solids.iter().map(|solid| solid.placed(body.position, body.rotation)))
+    }
+
+    fn misplaced(&self, points: &[Vec3], solids: impl Iterator<Item = Solid>, is_still: bool) -> Vec<Misplaced> {
+        let solids = solids.map(|solid| (0, solid));
+        let obstacles = Obstacles::near(points, solids, self.grid.periodic, self.parameters.spacing);
+        if obstacles.is_empty() {
+            return Vec::new();
+        }
+        let place = |(index, &point): (u32, &Vec3)| match obstacles.place(point) {
+            Place::Inside(_) => Some(Misplaced { index, inside: true }),
+            Place::Beside(..) if is_still => Some(Misplaced { index, inside: false }),
+            Place::Beside(..) | Place::Free => None,
+        };
+        (0..).zip(points).filter_map(place).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::FluidScene;
+    use std::f32::consts::FRAC_PI_4;
+
+    const H: f32 = 1e-4;
+
+    /// Whether any is around a point, by more than rounding.
+    fn any(solids: &[Solid], point: Vec3) -> bool {
+        solids.iter().any(|solid| solid.contains(point, 1e-6))
+    }
+
+    fn layer() -> WallLayer {
+        FluidScene::with_spacing(0.1).wall_layer().unwrap()
+    }
+
+    #[test]
+    fn a_point_on_the_face_is_outside() {
+        let block = Solid::block(Vec3::new(1.0, 2.0, 3.0), Vec3::X);
+        assert!(!block.contains(Vec3::new(2.0, 0.0, 0.0), 0.0) && !block.contains(Vec3::new(1.0, -2.0, 0.0), 0.0));
+        assert!(
+            block.contains(Vec3::new(2.0 - H, 0.0, 0.0), 0.0) && !block.contains(Vec3::new(2.0 + H, 0.0, 0.0), 0.0)
+        );
+        assert!(!block.contains(Vec3::new(2.0 - H, 0.0, 0.0), 2.0 * H), "less deep than the tolerance");
+        let ball = Solid::ball(0.5, Vec3::Y);
+        assert!(!ball.contains(Vec3::new(0.5, 1.0, 0.0), 0.0));
+        assert!(ball.contains(Vec3::new(0.5 - H, 1.0, 0.0), 0.0) && !ball.contains(Vec3::new(0.5 + H, 1.0, 0.0), 0.0));
+    }
+
+    #[test]
+    fn a_turned_box_is_turned_about_its_centre() {
+        let turned = Solid { rotation: Quat::from_rotation_y(FRAC_PI_4), ..Solid::block(Vec3::ONE, Vec3::X * 5.0) };
+        let corner = 2.0f32.sqrt();
+        assert!(turned.contains(Vec3::new(5.0 + corner - 1e-3, 0.0, 0.0), 0.0));
+        assert!(!turned.contains(Vec3::new(5.0 + corner + 1e-3, 0.0, 0.0), 0.0));
+        assert!(!turned.contains(Vec3::new(5.9, 0.0, 0.9), 0.0), "in the box that is not turned");
+        // Its frame turns it back and moves it.
+        let back = turned.placed(Vec3::Y, Quat::from_rotation_y(-FRAC_PI_4));
+        let center = Vec3::Y + Quat::from_rotation_y(-FRAC_PI_4) * (Vec3::X * 5.0);
+        assert!(back.contains(center + 0.99, 0.0) && !back.contains(center + Vec3::X * 1.01, 0.0));
+    }
+
+    #[test]
+    fn a_plane_is_solid_on_the_side_its_normal_points_away_from() {
+        let plane = Boundary::new(BoundaryShape::Plane { half_extents: [1.0, 2.0] }, Vec3::Y);
+        let thickness = 2.0 * layer().depth;
+        let solids = plane.solids(&layer());
+        assert!(!any(&solids, Vec3::Y) && !any(&solids, Vec3::Y * (1.0 + H)) && any(&solids, Vec3::Y * (1.0 - H)));
+        assert!(any(&solids, Vec3::Y * (1.0 - thickness + H)) && !any(&solids, Vec3::Y * (1.0 - thickness - H)));
+        assert!(any(&solids, Vec3::new(0.99, 0.95, 1.99)) && !any(&solids, Vec3::new(1.01, 0.95, 0.0)));
+        // Its normal is x.
+        let upright = Boundary { rotation: Quat::from_rotation_z(-2.0 * FRAC_PI_4), ..plane };
+        let solids = upright.solids(&layer());
+        assert!(any(&solids, Vec3::new(-0.05, 1.5, 0.0)) && !any(&solids, Vec3::new(0.05, 1.5, 0.0)));
+    }
+
+    #[test]
+    fn a_container_is_solid_behind_its_faces_and_closed_at_its_corners() {
+        let tank = Boundary::open_box(Vec3::new(2.0, 2.0, 2.0), Vec3::ZERO);
+        let solids = tank.solids(&layer());
+        assert_eq!(solids.len(), 5);
+        for inside in [Vec3::ZERO, Vec3::X, Vec3::NEG_Y, Vec3::ONE, Vec3::splat(-0.999)] {
+            assert!(!any(&solids, inside), "{inside} is fluid");
+        }
+        for wall in [Vec3::X * 1.1, Vec3::NEG_Y * 1.1, Vec3::new(1.1, -1.1, 1.1), Vec3::new(0.0, 0.99, -1.01)] {
+            assert!(any(&solids, wall), "{wall} is wall");
+        }
+        for outside in [Vec3::Y * 1.1, Vec3::new(1.1, 1.01, 0.0), Vec3::X * (1.0 + 2.0 * layer().depth + H)] {
+            assert!(!any(&solids, outside), "{outside} is beyond the wall, or above the rim");
+        }
+    }
+
+    #[test]
+    fn only_what_is_near_is_asked_and_images_are() {
+        let solids = [Solid::ball(0.5, Vec3::ZERO), Solid::ball(0.5, Vec3::X * 9.0)];
+        let numbered = || (0..).zip(solids);
+        let points = [Vec3::X * 8.0, Vec3::X * 8.8];
+        let obstacles = Obstacles::near(&points, numbered(), Periodic::default(), 0.1);
+        assert_eq!(obstacles.solids.len(), 1);
+        assert_eq!(points.map(|point| obstacles.place(point)), [Place::Free, Place::Inside(1)]);
+        assert!(Obstacles::near(&[], numbered(), Periodic::default(), 0.1).solids.is_empty());
+        let periodic = Periodic { x: Some((-1.0, 9.2)), ..Periodic::default() };
+        let obstacles = Obstacles::near(&points, numbered(), periodic, 0.1);
+        assert_eq!(obstacles.place(Vec3::X * -0.9), Place::Inside(1), "the image of the second, across the end");
+    }
+
+    #[test]
+    fn distances_point_away_from_the_surface() {
+        let block = Shape::Box { half_extents: Vec3::new(1.0, 2.0, 3.0) };
+        assert_eq!(block.distance(Vec3::new(-1.5, 0.0, 0.0)), (0.5, Vec3::NEG_X));
+        assert_eq!(block.distance(Vec3::new(0.0, 1.75, 0.0)), (-0.25, Vec3::Y));
+        let (distance, normal) = block.distance(Vec3::new(4.0, -6.0, 0.0));
+        assert!((distance - 5.0).abs() < 1e-6 && normal.distance(Vec3::new(0.6, -0.8, 0.0)) < 1e-6, "{normal}");
+        assert_eq!(Shape::Sphere { radius: 2.0 }.distance(Vec3::Z * 3.0), (1.0, Vec3::Z));
+        let (distance, normal) = Shape::Sphere { radius: 2.0 }.distance(Vec3::ZERO);
+        assert!(distance == -2.0 && normal.is_normalized());
+        let turned = Solid { rotation: Quat::from_rotation_z(2.0 * FRAC_PI_4), ..Solid::block(Vec3::ONE, Vec3::X) };
+        let (distance, normal) = turned.distance(Vec3::NEG_X * 3.0);
+        assert!((distance - 2.0).abs() < 1e-6 && normal.distance(Vec3::NEG_X) < 1e-6, "{normal}");
+    }
+
+    #[test]
+    fn a_way_out_of_a_corner_and_none_from_between_walls() {
+        let tank = Boundary::open_box(Vec3::ONE, Vec3::ZERO).solids(&layer());
+        let way_out = |points: &[Vec3]| {
+            let solids = tank.iter().map(|&solid| (0, solid));
+            Obstacles::near(points, solids, Periodic::default(), 0.1).way_out(points)
+        };
+        // 0.02, 0.05 and 0.01 m from three faces, where 0.05 m are needed.
+        let way = way_out(&[Vec3::new(-0.48, -0.45, 0.49), Vec3::ZERO]).unwrap();
+        assert!(way.distance(Vec3::new(0.03, 0.0, -0.04)) < 1e-6, "{way}");
+        assert_eq!(way_out(&[Vec3::ZERO]), Some(Vec3::ZERO));
+        assert_eq!(way_out(&[Vec3::X * -0.48, Vec3::X * 0.48]), None);
+    }
+}
