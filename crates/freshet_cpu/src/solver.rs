@@ -1,12 +1,13 @@
 //! The solver: owns the state and runs the plan's stages.
 
+mod stages;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use freshet_core::field::{Field, FieldData};
 use freshet_core::kernel::Kernel;
-use freshet_core::near_pressure;
-use freshet_core::plan::{Parameters, Plan, StageKind};
+use freshet_core::plan::{Plan, StageKind};
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
 use freshet_core::solid::Misplaced;
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
@@ -16,18 +17,14 @@ use glam::Vec3;
 use crate::candidates::Candidates;
 use crate::lanes::PADDING;
 use crate::particles::Particles;
-use crate::passes::acceleration::Maxima;
 use crate::passes::body_motion::{MovingBody, remember};
 use crate::passes::body_sort::BodySamples;
 use crate::passes::commands::Population;
-use crate::passes::density::Compression;
-use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::{Dropped, Sorter};
-use crate::passes::{acceleration, body_load, density, integrate, step_control};
+use crate::passes::step_control;
 use crate::samples::SortedSamples;
 use crate::schedule;
-use crate::simd_kernel::dispatch;
-use crate::workers::{Workers, split};
+use crate::workers::Workers;
 
 /// Which vector instructions to use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -322,18 +319,7 @@ impl CpuSolver {
                 body.advance(force, torque, dt);
             }
         });
-        tally.timed("integrate", || {
-            let (chunks, periodic) = (&self.sorter.chunks, &self.plan.grid.periodic);
-            integrate::integrate(
-                &self.workers,
-                chunks,
-                &mut self.particles,
-                &self.acceleration,
-                periodic,
-                self.mortal,
-                dt,
-            );
-        });
+        tally.timed("integrate", || self.integrate_stage(dt));
         tally.substeps += 1;
         tally.smallest = if tally.substeps == 1 { dt } else { tally.smallest.min(dt) };
         let mean = compression.sum as f64 / 1_048_576.0 / self.particles.len.max(1) as f64;
@@ -342,160 +328,6 @@ impl CpuSolver {
         tally.max_speed = maxima.speed_squared.sqrt();
         dt
     }
-
-    fn sort(&mut self) -> Dropped {
-        let parameters = &self.plan.parameters;
-        let bounds = [parameters.bounds_min, parameters.bounds_max];
-        let gone =
-            self.sorter.sort(&self.workers, self.arch, &self.plan.grid, bounds, &mut self.particles, &mut self.scratch);
-        let padded = self.particles.len + PADDING;
-        for values in [&mut self.density, &mut self.pressure_term].into_iter().chain(&mut self.acceleration) {
-            values.resize(padded, 0.0);
-        }
-        gone
-    }
-
-    fn density_stage(&mut self) -> Compression {
-        let parameters = &self.plan.parameters;
-        let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
-        let samples: Vec<&SortedSamples> =
-            [&self.walls, &self.body_samples.sorted].into_iter().filter(|samples| !samples.is_empty()).collect();
-        let inputs = density::Inputs {
-            arch: self.arch,
-            grid: &self.plan.grid,
-            starts: &self.sorter.starts,
-            particles: &self.particles,
-            samples: &samples,
-            fluid_factor: parameters.particle_mass * scale,
-            sample_factor: parameters.rest_density * scale,
-            law: parameters.pressure_law,
-            rest_density: parameters.rest_density,
-        };
-        let live = self.particles.len;
-        self.candidates.resize_with(self.sorter.chunks.len(), Candidates::default);
-        let densities = split(&mut self.density[..live], &self.sorter.chunks);
-        let terms = split(&mut self.pressure_term[..live], &self.sorter.chunks);
-        let tasks: Vec<_> = self
-            .sorter
-            .chunks
-            .iter()
-            .zip(&mut self.candidates)
-            .zip(densities.into_iter().zip(terms))
-            .map(|((chunk, candidates), (density, pressure_term))| density::Task {
-                inputs,
-                chunk,
-                candidates,
-                density,
-                pressure_term,
-            })
-            .collect();
-        let kernel = parameters.kernel;
-        let parts = self.workers.map(tasks, |task| dispatch(kernel, task));
-        parts.iter().fold(Compression { largest: -1.0, sum: 0 }, |sum, part| Compression {
-            largest: sum.largest.max(part.largest),
-            sum: sum.sum + part.sum,
-        })
-    }
-
-    fn acceleration_stage(&mut self) -> Maxima {
-        let parameters = &self.plan.parameters;
-        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
-        let samples: Vec<&SortedSamples> =
-            [&self.walls, &self.body_samples.sorted].into_iter().filter(|samples| !samples.is_empty()).collect();
-        let h = parameters.smoothing_length;
-        let inputs = acceleration::Inputs {
-            arch: self.arch,
-            grid: &self.plan.grid,
-            starts: &self.sorter.starts,
-            particles: &self.particles,
-            samples: &samples,
-            density: &self.density,
-            pressure_term: &self.pressure_term,
-            fluid_factor: -parameters.particle_mass * scale,
-            sample_factor: -parameters.rest_density * scale,
-            viscosity: 2.0 * parameters.artificial_viscosity * parameters.sound_speed * h,
-            physical: (parameters.dynamic_viscosity > 0.0).then(|| Viscosity {
-                of_pairs: 2.0 * parameters.dynamic_viscosity * parameters.gradient_calibration
-                    / parameters.viscous_calibration,
-                of_walls: parameters.dynamic_viscosity,
-                depth: parameters.boundary_depth,
-                nearest: 0.25 * parameters.spacing,
-            }),
-            near_pressure: 2.0 * parameters.near_pressure / parameters.rest_density
-                * (near_pressure::NORMALISATION / parameters.kernel.normalisation()) as f32,
-            softening: 0.01 * h * h,
-            gravity: self.gravity,
-        };
-        let live = self.particles.len;
-        let [x, y, z] = &mut self.acceleration;
-        let [x, y, z] = [x, y, z].map(|values| split(&mut values[..live], &self.sorter.chunks).into_iter());
-        let tasks: Vec<_> = self
-            .sorter
-            .chunks
-            .iter()
-            .zip(&self.candidates)
-            .zip(x.zip(y).zip(z))
-            .map(|((chunk, candidates), ((x, y), z))| acceleration::Task {
-                inputs,
-                chunk,
-                candidates,
-                acceleration: [x, y, z],
-            })
-            .collect();
-        let kernel = parameters.kernel;
-        let parts = self.workers.map(tasks, |task| dispatch(kernel, task));
-        parts.iter().fold(Maxima::default(), |largest, part| Maxima {
-            speed_squared: largest.speed_squared.max(part.speed_squared),
-            acceleration_squared: largest.acceleration_squared.max(part.acceleration_squared),
-        })
-    }
-
-    /// Force (N) and torque about the centre of mass (N m) of the fluid on each body.
-    fn body_load_stage(&mut self) -> Vec<(Vec3, Vec3)> {
-        let parameters = &self.plan.parameters;
-        let samples = &self.body_samples.sorted;
-        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
-        let factor = parameters.particle_mass * parameters.rest_density * scale;
-        let count = samples.len();
-        let tasks: Vec<_> = (0..count)
-            .step_by(64)
-            .map(|first| body_load::Task {
-                arch: self.arch,
-                grid: &self.plan.grid,
-                starts: &self.sorter.starts,
-                particles: &self.particles,
-                pressure_term: &self.pressure_term,
-                samples,
-                slots: (first, (first + 64).min(count)),
-                factor,
-            })
-            .collect();
-        let kernel = parameters.kernel;
-        let mut forces = vec![Vec3::ZERO; count];
-        let parts = self.workers.map(tasks, |task| dispatch(kernel, task));
-        for (&source, force) in samples.source.iter().zip(parts.into_iter().flatten()) {
-            forces[source as usize] = force;
-        }
-        // Summed in the samples' own order and in double precision: independent of threads and sorting.
-        let mut first = 0;
-        let mut loads = Vec::with_capacity(self.bodies.len());
-        for (planned, body) in self.plan.bodies.iter().zip(&self.bodies) {
-            let range = first..first + planned.samples.len();
-            first = range.end;
-            let (mut force, mut torque) = (glam::DVec3::ZERO, glam::DVec3::ZERO);
-            for (on_sample, at) in forces[range.clone()].iter().zip(&self.body_samples.positions()[range]) {
-                force += on_sample.as_dvec3();
-                torque += (*at - body.position).cross(*on_sample).as_dvec3();
-            }
-            loads.push((force.as_vec3(), torque.as_vec3()));
-        }
-        loads
-    }
-}
-
-/// `A / H^power`, the constant of a kernel's value (3) or of its derivative over r (5).
-fn kernel_scale(parameters: &Parameters, power: i32) -> f32 {
-    (parameters.kernel.normalisation() / f64::from(parameters.support_radius).powi(power)) as f32
 }
 
 impl FluidSolver for CpuSolver {

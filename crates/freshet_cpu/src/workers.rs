@@ -1,10 +1,10 @@
 //! Sharing a pass among cores.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock};
 
 use freshet_core::error::InvalidInput;
 use freshet_core::solver::SolverError;
-use rayon::prelude::*;
 
 /// Most threads of its own a solver may ask for.
 const MOST_THREADS: usize = 256;
@@ -73,11 +73,44 @@ impl Workers {
     }
 
     /// Calls `body` for each task, in any order, on all threads; the results are in the order of the tasks.
-    pub fn map<T: Send, R: Send>(&self, tasks: Vec<T>, body: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
-        if self.pool.is_none() {
+    ///
+    /// Each thread has a run of consecutive tasks, the same ones in every pass, whose data it still holds; who is done with them
+    /// helps the others.
+    pub fn map<T: Send, R: Send + Sync>(&self, tasks: Vec<T>, body: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
+        let threads = self.threads();
+        if threads == 1 {
             return tasks.into_iter().map(body).collect();
         }
-        self.enter(|| tasks.into_par_iter().with_max_len(1).map(body).collect())
+        let count = tasks.len();
+        let tasks: Vec<Mutex<Option<T>>> = tasks.into_iter().map(|task| Mutex::new(Some(task))).collect();
+        let results: Vec<OnceLock<R>> = (0..count).map(|_| OnceLock::new()).collect();
+        let next: Vec<AtomicUsize> = (0..threads).map(|thread| AtomicUsize::new(count * thread / threads)).collect();
+        let work = || {
+            let here = rayon::current_thread_index().unwrap_or(0);
+            for of in (here..threads).chain(0..here) {
+                let end = count * (of + 1) / threads;
+                loop {
+                    let index = next[of].fetch_add(1, Ordering::Relaxed);
+                    if index >= end {
+                        break;
+                    }
+                    let task = tasks[index].lock().ok().and_then(|mut task| task.take());
+                    if let Some(result) = task.map(&body) {
+                        // Each task is taken once.
+                        let _ = results[index].set(result);
+                    }
+                }
+            }
+        };
+        self.enter(|| {
+            rayon::scope(|scope| {
+                for _ in 1..threads {
+                    scope.spawn(|_| work());
+                }
+                work();
+            });
+        });
+        results.into_iter().filter_map(OnceLock::into_inner).collect()
     }
 }
 
@@ -131,7 +164,6 @@ pub fn chunks(cell_starts: &[u32], count: usize) -> Vec<Chunk> {
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;
-    use std::sync::Mutex;
     use std::time::Duration;
 
     use super::*;

@@ -117,6 +117,12 @@ fn floor(x: f32) -> i32 {
     toward_zero.wrapping_sub(i32::from(x < toward_zero as f32))
 }
 
+/// Particles in a chunk: few enough that threads which wait for the last one of a pass wait for little, many enough that handing
+/// it out costs nothing beside it.
+const CHUNK_PARTICLES: usize = 512;
+/// Chunks of a thread, at least and at most.
+const CHUNKS_PER_THREAD: [usize; 2] = [4, 64];
+
 impl Sorter {
     /// Sorts `particles` (through `scratch`, which ends up with the old order).
     pub fn sort(
@@ -142,7 +148,8 @@ impl Sorter {
         self.scan(cells);
         self.scatter(workers, particles.len);
         let live = self.starts[cells] as usize;
-        self.chunks = chunks(&self.starts, 16 * workers.threads());
+        let [least, most] = CHUNKS_PER_THREAD.map(|chunks| chunks * workers.threads());
+        self.chunks = chunks(&self.starts, (live / CHUNK_PARTICLES).clamp(least, most));
         scratch.resize(live);
         self.reorder(workers, particles, scratch);
         std::mem::swap(particles, scratch);

@@ -89,6 +89,15 @@ impl Peer {
         }
     }
 
+    /// Name and method, as short as they are told apart.
+    pub fn short(self) -> String {
+        match self {
+            Peer::Freshet(backend) => format!("{}, {backend}", self.system()),
+            Peer::Salva { tolerance } => format!("{}, {} %", self.system(), tolerance * 100.0),
+            Peer::Splishsplash { method } => format!("{}, {method}", self.system()),
+        }
+    }
+
     /// Method and settings.
     pub fn settings(self) -> String {
         match self {

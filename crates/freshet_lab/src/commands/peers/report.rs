@@ -148,10 +148,9 @@ const COLOURS: [Colour; 6] = [
 
 fn chart(runs: &[Run]) -> Chart {
     let peers = peers(runs);
-    let name = |peer: &Peer| format!("{} {}", peer.system(), peer.settings());
     let coloured = || peers.iter().zip(COLOURS.into_iter().cycle());
     let points = coloured().map(|(&peer, colour)| Series {
-        name: name(&peer),
+        name: peer.short(),
         mark: Mark::Circles(7),
         colour,
         points: of(runs, peer).map(|run| (run.crowding.mean, run.cost())).collect(),
@@ -170,7 +169,7 @@ fn chart(runs: &[Run]) -> Chart {
         series: points,
     };
     let fronts = coloured().map(|(&peer, colour)| Series {
-        name: name(&peer),
+        name: peer.short(),
         mark: Mark::Line(2),
         colour,
         points: of(runs, peer).last().map(front_points).unwrap_or_default(),

@@ -12,7 +12,7 @@ use clap::Args;
 use freshet_core::kernel::KernelKind;
 
 pub use search::{Found, search};
-pub use trial::{Configuration, Failure, PressureOption, Situation, survives};
+pub use trial::{Configuration, Failure, Situation, SolverOption, survives};
 
 use crate::backend::Backend;
 use crate::error::LabError;
@@ -23,7 +23,8 @@ use crate::verdict::{Bound, Verdict};
 
 /// The largest stable time step as a CFL number, `dt (c + v) / h`, with no other limit on the step.
 ///
-/// Bisected to 5 % on a violent scene (a dam break against the far wall) and a calm one (a tall column at rest). A run fails by
+/// Bisected to 5 % on a violent scene (a dam break against the far wall), a calm one (a tall column at rest) and one without walls
+/// and surface (vortices in a cube that repeats itself), which tells what is the kernel's. A run fails by
 /// numbers that are not finite, mechanical energy above 1.05 of the start, a mean compression above 5 %, a lost particle, or when
 /// the nearest neighbour of one particle in a hundred is nearer than 0.3 d; the map says by which. Bound: with default settings
 /// the plan's own factor is stable.
@@ -52,7 +53,7 @@ impl StabilityArgs {
             (true, Backend::Gpu) => vec![KernelKind::WendlandC2],
         };
         let (neighbours, sound) = if quick { (&NEIGHBOURS[1..2], &SOUND[1..2]) } else { (&NEIGHBOURS[..], &SOUND[..]) };
-        let options = if quick { &PressureOption::ALL[..1] } else { &PressureOption::ALL[..] };
+        let options = if quick { &SolverOption::ALL[..1] } else { &SolverOption::ALL[..] };
         let mut all = Vec::new();
         for &kernel in &kernels {
             for &neighbours in neighbours {

@@ -3,7 +3,7 @@
 use freshet_core::kernel::KernelKind;
 
 use super::search::{Found, LEAST, MOST};
-use super::trial::{Configuration, Failure, PressureOption, Situation};
+use super::trial::{Configuration, Failure, Situation, SolverOption};
 use crate::backend::Backend;
 use crate::chart::heat::{self, Cell, HeatMap};
 use crate::error::LabError;
@@ -27,7 +27,7 @@ fn csv(found: &[&Found]) -> Csv {
         "Freshet, largest stable step as a CFL number dt (c + v) / h: `cargo run --release -p freshet_lab -- stability`.",
         "failure: how the smallest step failed that was not stable; none: the largest tried was stable.",
     ];
-    let columns = ["backend", "scene", "pressure", "kernel", "neighbours", "sound_over_speed", "stable_cfl", "failure"];
+    let columns = ["backend", "scene", "option", "kernel", "neighbours", "sound_over_speed", "stable_cfl", "failure"];
     let mut csv = Csv::new(comments, &columns);
     for Found { configuration: of, stable, failure, .. } in found {
         csv.row([
@@ -84,7 +84,7 @@ fn map(found: &[&Found]) -> HeatMap {
     let mut sounds: Vec<f32> = distinct(of().map(|of| of.sound));
     neighbours.sort_by(f32::total_cmp);
     sounds.sort_by(f32::total_cmp);
-    let groups: Vec<(Backend, PressureOption, Situation)> =
+    let groups: Vec<(Backend, SolverOption, Situation)> =
         distinct(of().map(|of| (of.backend, of.option, of.situation)));
     let backends = distinct(of().map(|of| of.backend));
     let cell = |wanted: Configuration| {
@@ -97,7 +97,7 @@ fn map(found: &[&Found]) -> HeatMap {
     let mut cells = Vec::new();
     for &kernel in &kernels {
         for &neighbours in &neighbours {
-            let of_group = |&(backend, option, situation): &(Backend, PressureOption, Situation)| {
+            let of_group = |&(backend, option, situation): &(Backend, SolverOption, Situation)| {
                 let wanted = |&sound: &f32| Configuration { backend, option, kernel, neighbours, sound, situation };
                 sounds.iter().map(wanted).map(cell).collect::<Vec<_>>()
             };

@@ -3,15 +3,18 @@
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::field::Field;
 use freshet_core::kernel::KernelKind;
-use freshet_core::plan::{Plan, SceneError};
+use freshet_core::periodic::Periodic;
+use freshet_core::plan::{Parameters, Plan, SceneError};
 use freshet_core::scene::{Boundary, FluidScene, Support, Volume};
 use freshet_core::step::StepReport;
+use freshet_core::viscosity::ViscosityModel;
 use glam::Vec3;
 
 use crate::backend::Backend;
 use crate::drive::Drive;
 use crate::error::LabError;
 use crate::measure::spacing::nearest_distances;
+use crate::reference::taylor_green;
 
 /// What is asked of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,25 +23,29 @@ pub enum Situation {
     Violent,
     /// A tall column at rest.
     Calm,
+    /// Taylor-Green vortices in a cube that repeats itself: no walls, no surface, the kernel and the equation of state alone.
+    Boundless,
 }
 
 impl Situation {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Violent, Self::Calm];
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Violent, Self::Calm, Self::Boundless];
 
     /// Name, as in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Violent => "dam break",
             Self::Calm => "column",
+            Self::Boundless => "vortices",
         }
     }
 
-    /// Simulated time, s: the front is at the far wall after 0.4 s; waves cross the column a hundred times.
+    /// Simulated time, s: the front is at the far wall after 0.4 s; waves cross the column a hundred times; a vortex turns once.
     fn seconds(self) -> f64 {
         match self {
             Self::Violent => 0.8,
             Self::Calm => 1.0,
+            Self::Boundless => 0.3,
         }
     }
 
@@ -46,6 +53,7 @@ impl Situation {
         let (block, container, spacing) = match self {
             Self::Violent => (Vec3::splat(0.5), Vec3::new(1.2, 1.5, 0.5), 0.05),
             Self::Calm => (Vec3::new(0.15, 0.5, 0.15), Vec3::new(0.15, 0.75, 0.15), 0.025),
+            Self::Boundless => return Self::vortices(),
         };
         FluidScene {
             name: self.name().to_owned(),
@@ -54,24 +62,54 @@ impl Situation {
             ..FluidScene::with_spacing(spacing)
         }
     }
+
+    fn vortices() -> FluidScene {
+        let mut scene = FluidScene {
+            name: Self::Boundless.name().to_owned(),
+            gravity: Vec3::ZERO,
+            volumes: vec![Volume::block(Vec3::splat(CUBE / 2.0), Vec3::splat(CUBE / 2.0))],
+            periodic: Periodic { x: Some((0.0, CUBE)), y: Some((0.0, CUBE)), z: Some((0.0, CUBE)) },
+            ..FluidScene::with_spacing(CUBE / 12.0)
+        };
+        scene.settings.expected_speed = Some(VORTEX_SPEED);
+        scene
+    }
+
+    /// Velocity at the start, m/s.
+    fn velocity(self, at: Vec3) -> Vec3 {
+        match self {
+            Self::Violent | Self::Calm => Vec3::ZERO,
+            Self::Boundless => {
+                let [u, v] = taylor_green::velocity(f64::from(at.x / CUBE), f64::from(at.y / CUBE));
+                VORTEX_SPEED * Vec3::new(u as f32, v as f32, 0.0)
+            }
+        }
+    }
 }
 
-/// How pressure follows from density.
+/// Edge of the cube that repeats itself, m.
+const CUBE: f32 = 0.3;
+/// Largest speed in it at the start, m/s.
+const VORTEX_SPEED: f32 = 1.0;
+
+/// What of a solver is not the plan's default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PressureOption {
-    /// Tait's equation, clamped: the plan's default.
+pub enum SolverOption {
+    /// Nothing: Tait's equation, clamped, and Monaghan's artificial viscosity.
     Tait,
-    /// A linear one, clamped.
+    /// A linear equation of state, clamped.
     Linear,
     /// Tait's with its tension.
     Tension,
     /// The same with a near pressure of 0.01 c2 rho against clumping.
     NearPressure,
+    /// Morris' viscosity in place of Monaghan's, as large as that acts: `nu = alpha c h / 10` (Monaghan 2005, eq. 8.8).
+    Morris,
 }
 
-impl PressureOption {
+impl SolverOption {
     /// All of them, the plan's default first.
-    pub const ALL: [Self; 4] = [Self::Tait, Self::Linear, Self::Tension, Self::NearPressure];
+    pub const ALL: [Self; 5] = [Self::Tait, Self::Linear, Self::Tension, Self::NearPressure, Self::Morris];
 
     /// Name, as in files and tables.
     pub fn name(self) -> &'static str {
@@ -80,6 +118,7 @@ impl PressureOption {
             Self::Linear => "linear",
             Self::Tension => "unclamped",
             Self::NearPressure => "near pressure",
+            Self::Morris => "Morris viscosity",
         }
     }
 }
@@ -90,7 +129,7 @@ pub struct Configuration {
     /// Where.
     pub backend: Backend,
     /// Equation of state.
-    pub option: PressureOption,
+    pub option: SolverOption,
     /// Kernel.
     pub kernel: KernelKind,
     /// Mean number of neighbours.
@@ -104,7 +143,7 @@ pub struct Configuration {
 impl Configuration {
     /// What the plan takes when nothing is said: Tait's equation, Wendland's kernel, H = 2 d (32 to 33 neighbours), c = 10 v.
     pub fn of_defaults(backend: Backend, situation: Situation) -> Self {
-        let (option, kernel) = (PressureOption::Tait, KernelKind::WendlandC2);
+        let (option, kernel) = (SolverOption::Tait, KernelKind::WendlandC2);
         Self { backend, option, kernel, neighbours: 32.0, sound: 10.0, situation }
     }
 
@@ -114,16 +153,16 @@ impl Configuration {
     }
 
     /// Its place among all.
-    pub fn place(&self) -> (bool, usize, u32, usize, bool, u32) {
+    pub fn place(&self) -> (bool, usize, u32, usize, usize, u32) {
         let kernel = KernelKind::WITH_GRADIENT.iter().position(|kernel| *kernel == self.kernel);
-        let option = PressureOption::ALL.iter().position(|option| *option == self.option);
-        let calm = self.situation == Situation::Calm;
+        let option = SolverOption::ALL.iter().position(|option| *option == self.option);
+        let situation = Situation::ALL.iter().position(|situation| *situation == self.situation);
         (
             self.backend == Backend::Gpu,
             kernel.unwrap_or_default(),
             self.neighbours as u32,
             option.unwrap_or_default(),
-            calm,
+            situation.unwrap_or_default(),
             self.sound as u32,
         )
     }
@@ -137,13 +176,19 @@ impl Configuration {
         scene.settings.allow_compressible = self.sound < 10.0;
         let sound_speed = self.sound * speed;
         match self.option {
-            PressureOption::Linear => scene.settings.equation_of_state = Some(EquationOfState::Linear { sound_speed }),
-            PressureOption::Tait | PressureOption::Tension | PressureOption::NearPressure => {
-                scene.settings.sound_speed = Some(sound_speed);
-            }
+            SolverOption::Linear => scene.settings.equation_of_state = Some(EquationOfState::Linear { sound_speed }),
+            _ => scene.settings.sound_speed = Some(sound_speed),
         }
-        scene.settings.clamp_negative_pressure = matches!(self.option, PressureOption::Tait | PressureOption::Linear);
-        scene.settings.near_pressure = if self.option == PressureOption::NearPressure { 0.01 } else { 0.0 };
+        scene.settings.clamp_negative_pressure =
+            !matches!(self.option, SolverOption::Tension | SolverOption::NearPressure);
+        scene.settings.near_pressure = if self.option == SolverOption::NearPressure { 0.01 } else { 0.0 };
+        if self.option == SolverOption::Morris {
+            let Parameters { artificial_viscosity, smoothing_length, rest_density, .. } = Plan::new(&scene)?.parameters;
+            scene.material.dynamic_viscosity =
+                rest_density * artificial_viscosity * sound_speed * smoothing_length / 10.0;
+            scene.settings.artificial_viscosity = 0.0;
+            scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
+        }
         Plan::new(&scene)
     }
 }
@@ -211,8 +256,9 @@ pub fn survives(configuration: &Configuration, number: f64) -> Result<Option<Fai
     parameters.viscous_factor = 1e6;
     let (gravity, spacing) = (f64::from(-parameters.gravity.y), parameters.spacing);
     let particles = plan.positions.len();
-    let start = energy(gravity, &plan.positions, &plan.velocities);
     let mut drive = Drive::open(configuration.backend, plan, Some(1), Vec::new())?;
+    drive.set_velocities(|position| configuration.situation.velocity(position))?;
+    let start = energy(gravity, &drive.positions()?, &drive.vectors(Field::Velocity)?);
     let ticks = (configuration.situation.seconds() / TICK).round() as u32;
     for _ in 0..ticks {
         let report = drive.tick(TICK)?;
