@@ -49,3 +49,9 @@ fn a_block_dropped_into_a_pool_keeps_volume_and_momentum() -> Result<(), LabErro
     assert_passes("pool-drop", Backend::Cpu)?;
     assert_passes("pool-drop", Backend::Gpu)
 }
+
+#[test]
+fn vortices_decay_as_fast_as_they_should() -> Result<(), LabError> {
+    assert_passes("taylor-green", Backend::Cpu)?;
+    assert_passes("taylor-green", Backend::Gpu)
+}
