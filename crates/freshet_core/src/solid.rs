@@ -114,6 +114,10 @@ const TOLERANCE: f32 = 1.0 / 64.0;
 /// Distance from a face of fluid at rest, over the spacing.
 const CALM: f32 = 0.5;
 
+/// Distance from a wall, over the spacing, nearer than which a lattice was not made to fit: a whole number of spacings in a
+/// length begins a quarter to three quarters of one from its ends.
+const FIT: f32 = 0.2;
+
 /// Where a point is. The index is whose solid it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Place {
@@ -174,6 +178,11 @@ impl Obstacles {
         nearest.1
     }
 
+    /// Whether a point is beside a solid and nearer than the outermost layer of a lattice made to fit would be.
+    pub(crate) fn is_too_near(&self, place: Place) -> bool {
+        matches!(place, Place::Beside(_, needed) if needed.length() > (CALM - FIT) * self.spacing)
+    }
+
     /// The way, up to half a spacing from each of three faces, by which all points together move to where each is free. None if
     /// there is no such.
     pub(crate) fn way_out(&self, points: &[Vec3]) -> Option<Vec3> {
@@ -197,12 +206,19 @@ impl Obstacles {
     }
 }
 
+/// Whose a solid is that a tick's particles may be in.
+#[derive(Clone, Copy)]
+enum Owner {
+    Wall,
+    Body,
+}
+
 /// A particle that a tick leaves out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Misplaced {
     /// Which, counted from zero.
     pub index: u32,
-    /// Whether its centre is inside a wall or a body, and not just nearer than half a spacing to one.
+    /// Whether its centre is inside a wall or a body, and not just too near to one.
     pub inside: bool,
 }
 
@@ -217,7 +233,7 @@ impl Plan {
 
     /// Particles that a tick's commands are to spawn with their centre inside a wall or a body, counted over all
     /// [spawned](Command::Spawn) in the tick, in order. Those that do not flow in ([`NewParticles::at`](crate::step::NewParticles::at) is none) neither may be
-    /// nearer to one than half a spacing.
+    /// nearer to a body than half a spacing, nor to a wall than a fifth.
     ///
     /// Positions are taken as given, walls and bodies where they are at the start of the tick.
     pub fn spawned_inside(&self, input: &StepInput) -> Vec<Misplaced> {
@@ -225,7 +241,8 @@ impl Plan {
         let mut all = Vec::new();
         for command in &input.commands {
             if let Command::Spawn(new) = command {
-                let solids = self.boundary.solids.iter().copied().chain(self.body_solids(&input.bodies));
+                let walls = self.boundary.solids.iter().map(|&solid| (Owner::Wall as usize, solid));
+                let solids = walls.chain(self.body_solids(&input.bodies));
                 let found = self.misplaced(&new.positions, solids, new.at.is_none());
                 all.extend(found.into_iter().map(|one| Misplaced { index: first + one.index, ..one }));
                 first += new.positions.len() as u32;
@@ -235,22 +252,31 @@ impl Plan {
     }
 
     /// In world coordinates.
-    fn body_solids(&self, bodies: &[BodyInput]) -> impl Iterator<Item = Solid> {
+    fn body_solids(&self, bodies: &[BodyInput]) -> impl Iterator<Item = (usize, Solid)> {
         self.bodies
             .iter()
             .zip(bodies)
             .flat_map(|(planned, body)| planned.solids.iter().map(|solid| solid.placed(body.position, body.rotation)))
+            .map(|solid| (Owner::Body as usize, solid))
     }
 
-    fn misplaced(&self, points: &[Vec3], solids: impl Iterator<Item = Solid>, is_still: bool) -> Vec<Misplaced> {
-        let solids = solids.map(|solid| (0, solid));
+    fn misplaced(
+        &self,
+        points: &[Vec3],
+        solids: impl Iterator<Item = (usize, Solid)>,
+        is_still: bool,
+    ) -> Vec<Misplaced> {
         let obstacles = Obstacles::near(points, solids, self.grid.periodic, self.parameters.spacing);
         if obstacles.is_empty() {
             return Vec::new();
         }
         let place = |(index, &point): (u32, &Vec3)| match obstacles.place(point) {
             Place::Inside(_) => Some(Misplaced { index, inside: true }),
-            Place::Beside(..) if is_still => Some(Misplaced { index, inside: false }),
+            place @ Place::Beside(owner, _) if is_still => {
+                // What fits between walls stays as it does in a plan; a body stands anywhere in the lattice.
+                let leaves = owner == Owner::Body as usize || obstacles.is_too_near(place);
+                leaves.then_some(Misplaced { index, inside: false })
+            }
             Place::Beside(..) | Place::Free => None,
         };
         (0..).zip(points).filter_map(place).collect()

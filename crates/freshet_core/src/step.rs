@@ -276,7 +276,7 @@ pub struct StepReport {
     /// [`Plan::left_out`](crate::plan::Plan::left_out).
     #[serde(default)]
     pub inside_solids: u32,
-    /// Particles left out likewise because a wall or a body was nearer to their centre than half a spacing: it would have blown
+    /// Particles left out likewise because a body was nearer to their centre than half a spacing, or a wall than a fifth: it would have blown
     /// them off. Those that flow in ([`NewParticles::at`]) may be as near.
     #[serde(default)]
     pub beside_solids: u32,

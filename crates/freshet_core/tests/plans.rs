@@ -545,12 +545,17 @@ fn what_starts_in_a_wall_is_left_out_by_volume() {
     let volumes = vec![block(0.98), block(3.0), block(0.0), Volume { hydrostatic: false, ..block(-0.98) }];
     let scene = FluidScene { volumes, boundaries: vec![wall], ..FluidScene::with_spacing(0.1) };
     let plan = Plan::new(&scene).unwrap();
-    // Layers of 16 at 0.83, 0.93, 1.03 and 1.13 m; the nearest to the face at 1 m is beside it, and others are there.
+    // Layers of 16 at 0.83, 0.93, 1.03 and 1.13 m; the nearest to the face at 1 m is beside it, and there is room to move away.
     let counts: Vec<_> = plan.left_out.iter().map(|some| (some.volume, some.inside, some.crowded)).collect();
-    assert_eq!(counts, [(0, 32, 16), (2, 64, 0), (3, 32, 16)]);
-    assert_eq!(plan.volume_ids, [(0, 16), (16, 64), (80, 0), (80, 16)]);
-    assert_eq!((plan.positions.len(), plan.velocities.len()), (96, 96));
+    assert_eq!(counts, [(0, 32, 0), (2, 64, 0), (3, 32, 0)]);
+    assert_eq!(plan.volume_ids, [(0, 32), (32, 64), (96, 0), (96, 32)]);
+    assert_eq!((plan.positions.len(), plan.velocities.len()), (128, 128));
     assert!(plan.to_string().contains("volumes[2]: 64 of 64 particles are left out"), "{plan}");
+
+    // There is none where other fluid is.
+    let crowd = FluidScene { volumes: vec![block(0.98), block(1.4)], ..scene.clone() };
+    let plan = Plan::new(&crowd).unwrap();
+    assert_eq!((plan.left_out[0].inside, plan.left_out[0].crowded, plan.positions.len()), (32, 16, 16 + 64));
 
     // Alone it is moved out of the way: none is too near.
     let alone = FluidScene { volumes: vec![scene.volumes[3].clone()], ..scene.clone() };

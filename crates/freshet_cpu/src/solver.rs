@@ -39,8 +39,8 @@ pub enum InstructionSet {
 /// How the solver uses the machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CpuOptions {
-    /// Threads of its own, 1 to 256; other numbers are refused when the solver is made. None: one for each core. They are busy
-    /// while a tick lasts and asleep between ticks.
+    /// Threads of its own, 1 to 256; other numbers are refused when the solver is made. None: one for each core. Of these a tick
+    /// keeps one busy for each thousand particles, and at least the caller's; between ticks they are asleep.
     pub threads: Option<usize>,
     /// Vector instructions.
     pub instruction_set: InstructionSet,
@@ -342,7 +342,7 @@ impl FluidSolver for CpuSolver {
     fn step(&mut self, input: &StepInput) -> Result<StepReport, SolverError> {
         input.validate(self.plan.bodies.len())?;
         let workers = Arc::clone(&self.workers);
-        Ok(workers.enter(|| self.tick(input)))
+        Ok(workers.enter(self.particles.len, || self.tick(input)))
     }
 
     fn read(&mut self, field: Field) -> Result<FieldData, SolverError> {

@@ -9,10 +9,16 @@ use freshet_core::solver::SolverError;
 /// Most threads of its own a solver may ask for.
 const MOST_THREADS: usize = 256;
 
+/// Particles that a thread must have to be worth waking.
+const LEAST_PARTICLES: usize = 1000;
+
 /// The threads of a solver. No other solver uses them: [`Workers::enter`] relies on that.
 pub struct Workers {
     /// None for one thread, which is the caller's.
     pool: Option<rayon::ThreadPool>,
+    /// Threads that share the passes of a tick: from the pool's `first` on, in a circle.
+    active: AtomicUsize,
+    first: AtomicUsize,
 }
 
 impl Workers {
@@ -28,14 +34,18 @@ impl Workers {
             return Err(InvalidInput::new("threads", threads, allowed).into());
         }
         if threads == Some(1) {
-            return Ok(Self { pool: None });
+            return Ok(Self::of(None));
         }
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads.unwrap_or(0))
             .thread_name(|index| format!("freshet {index}"))
             .build()
             .map_err(|error| SolverError::Device(error.to_string()))?;
-        Ok(Self { pool: Some(pool).filter(|pool| pool.current_num_threads() > 1) })
+        Ok(Self::of(Some(pool).filter(|pool| pool.current_num_threads() > 1)))
+    }
+
+    fn of(pool: Option<rayon::ThreadPool>) -> Self {
+        Self { pool, active: AtomicUsize::new(1), first: AtomicUsize::new(0) }
     }
 
     /// Number of threads.
@@ -43,19 +53,30 @@ impl Workers {
         self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
     }
 
-    /// Calls `body` on one of the threads and keeps the others awake until it returns: a pass shared from there starts at
-    /// once, where waking a core costs some fifty microseconds, and that for every pass.
-    pub fn enter<R: Send>(&self, body: impl FnOnce() -> R + Send) -> R {
-        let Some(pool) = self.pool.as_ref().filter(|pool| pool.current_thread_index().is_none()) else {
+    /// Number of threads that share the passes of this tick; one outside of [`enter`](Self::enter).
+    pub fn active(&self) -> usize {
+        self.active.load(Ordering::Relaxed)
+    }
+
+    /// Place of the calling thread among those that are active.
+    fn place(&self) -> usize {
+        let place = |thread| (thread + self.threads() - self.first.load(Ordering::Relaxed)) % self.threads();
+        rayon::current_thread_index().map_or(0, place)
+    }
+
+    /// Calls `body` on one of the threads and keeps others awake until it returns, as many as `particles` are worth it: a pass
+    /// shared from there starts at once, where waking a core costs fifty microseconds and more, and that for every pass. What is
+    /// shared must not wait for the pool itself: a thread that waits could be the one that is kept awake.
+    pub fn enter<R: Send>(&self, particles: usize, body: impl FnOnce() -> R + Send) -> R {
+        let active = self.threads().min(particles / LEAST_PARTICLES).max(1);
+        let Some(pool) = self.pool.as_ref().filter(|_| active > 1) else {
             return body();
         };
-        let others = pool.current_num_threads() - 1;
-        let (awake, over) = (&AtomicUsize::new(0), &AtomicBool::new(false));
+        let over = &AtomicBool::new(false);
         pool.scope(|scope| {
-            let here = rayon::current_thread_index();
-            scope.spawn_broadcast(move |_, context| {
-                if Some(context.index()) != here {
-                    awake.fetch_add(1, Ordering::Relaxed);
+            self.first.store(rayon::current_thread_index().unwrap_or(0), Ordering::Relaxed);
+            scope.spawn_broadcast(move |_, _| {
+                if (1..active).contains(&self.place()) {
                     while !over.load(Ordering::Relaxed) {
                         if rayon::yield_now() != Some(rayon::Yield::Executed) {
                             std::thread::yield_now();
@@ -63,11 +84,8 @@ impl Workers {
                     }
                 }
             });
-            let _ending = SetOnDrop(over);
-            // All of them before the first pass: a thread that came to this while it waits inside a pass would hold it up.
-            while awake.load(Ordering::Relaxed) < others {
-                std::thread::yield_now();
-            }
+            let _ending = Ending { over, active: &self.active };
+            self.active.store(active, Ordering::Relaxed);
             body()
         })
     }
@@ -77,7 +95,7 @@ impl Workers {
     /// Each thread has a run of consecutive tasks, the same ones in every pass, whose data it still holds; who is done with them
     /// helps the others.
     pub fn map<T: Send, R: Send + Sync>(&self, tasks: Vec<T>, body: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
-        let threads = self.threads();
+        let threads = self.active();
         if threads == 1 {
             return tasks.into_iter().map(body).collect();
         }
@@ -86,7 +104,7 @@ impl Workers {
         let results: Vec<OnceLock<R>> = (0..count).map(|_| OnceLock::new()).collect();
         let next: Vec<AtomicUsize> = (0..threads).map(|thread| AtomicUsize::new(count * thread / threads)).collect();
         let work = || {
-            let here = rayon::current_thread_index().unwrap_or(0);
+            let here = self.place().min(threads - 1);
             for of in (here..threads).chain(0..here) {
                 let end = count * (of + 1) / threads;
                 loop {
@@ -102,24 +120,45 @@ impl Workers {
                 }
             }
         };
-        self.enter(|| {
-            rayon::scope(|scope| {
-                for _ in 1..threads {
-                    scope.spawn(|_| work());
+        let ended = AtomicUsize::new(0);
+        rayon::scope(|scope| {
+            for _ in 1..threads {
+                scope.spawn(|_| {
+                    let _one = CountOnDrop(&ended);
+                    work();
+                });
+            }
+            work();
+            // The scope's own waiting would fall asleep.
+            while ended.load(Ordering::Relaxed) < threads - 1 {
+                if rayon::yield_now() != Some(rayon::Yield::Executed) {
+                    std::thread::yield_now();
                 }
-                work();
-            });
+            }
         });
         results.into_iter().filter_map(OnceLock::into_inner).collect()
     }
 }
 
-/// Sets a flag when it goes, also when by a panic.
-struct SetOnDrop<'a>(&'a AtomicBool);
+/// Lets the threads go when a tick is over, also by a panic.
+struct Ending<'a> {
+    over: &'a AtomicBool,
+    active: &'a AtomicUsize,
+}
 
-impl Drop for SetOnDrop<'_> {
+impl Drop for Ending<'_> {
     fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.active.store(1, Ordering::Relaxed);
+        self.over.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Counts up when it goes, also by a panic.
+struct CountOnDrop<'a>(&'a AtomicUsize);
+
+impl Drop for CountOnDrop<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_add(1, Ordering::Relaxed);
     }
 }
 
@@ -172,7 +211,7 @@ mod tests {
     fn tasks_are_shared_and_results_keep_their_order() {
         let workers = Workers::new(Some(3)).unwrap();
         let threads = Mutex::new(HashSet::new());
-        let doubled = workers.enter(|| {
+        let doubled = workers.enter(64_000, || {
             workers.map((0..64).collect(), |i: u32| {
                 std::thread::sleep(Duration::from_millis(1));
                 threads.lock().unwrap().insert(std::thread::current().id());
@@ -184,13 +223,25 @@ mod tests {
     }
 
     #[test]
+    fn few_particles_wake_few_threads() {
+        let workers = Workers::new(Some(3)).unwrap();
+        for (particles, active) in [(0, 1), (1_999, 1), (2_000, 2), (3_000, 3), (64_000, 3)] {
+            assert_eq!(workers.enter(particles, || workers.active()), active, "{particles} particles");
+            assert_eq!(workers.active(), 1);
+            let sum: u64 = workers.enter(particles, || workers.map(vec![1u64; 9], |i| i)).iter().sum();
+            assert_eq!(sum, 9);
+        }
+    }
+
+    #[test]
     fn a_panic_ends_the_waiting_and_comes_out() {
         let workers = Workers::new(Some(2)).unwrap();
         for _ in 0..2 {
-            let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| workers.enter(|| panic!("no"))));
+            let outcome =
+                std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| workers.enter(64_000, || panic!("no"))));
             assert!(outcome.is_err());
             let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                workers.map(vec![1, 2, 3], |i| assert_ne!(i, 2));
+                workers.enter(64_000, || workers.map(vec![1, 2, 3], |i| assert_ne!(i, 2)));
             }));
             assert!(outcome.is_err());
         }
@@ -198,13 +249,13 @@ mod tests {
     }
 
     #[test]
-    fn many_passes_of_many_solvers_at_once_end() {
+    fn many_passes_of_many_solvers_with_more_threads_than_cores_end() {
         std::thread::scope(|scope| {
-            for _ in 0..4 {
-                scope.spawn(|| {
-                    let workers = Workers::new(Some(3)).unwrap();
+            for threads in [2, 3, 16, 16] {
+                scope.spawn(move || {
+                    let workers = Workers::new(Some(threads)).unwrap();
                     for _ in 0..200 {
-                        let sums = workers.enter(|| workers.map(vec![1u64; 9], |i| i));
+                        let sums = workers.enter(64_000, || workers.map(vec![1u64; 9], |i| i));
                         assert_eq!(sums.iter().sum::<u64>(), 9);
                     }
                 });

@@ -266,6 +266,46 @@ fn a_block_half_inside_a_wall() {
     }
 }
 
+/// A block in front of a wall, nearer than any lattice that fits: it moves away, and nothing is lost, whatever other fluid there is
+/// elsewhere.
+#[test]
+fn a_block_that_almost_touches_a_wall() {
+    let (block, _) = block_above_the_floor();
+    let elsewhere = Volume::block(Vec3::splat(0.1), Vec3::new(0.2, 0.1, 0.25));
+    for share in [0.02, 0.15] {
+        let tank = Vec3::new(0.6 + (3.5 + share) * D, 1.0, 0.5);
+        let boundaries = vec![Boundary::open_box(tank, tank / 2.0)];
+        let volumes = vec![block.clone(), elsewhere.clone()];
+        let scene = FluidScene { volumes, boundaries, ..FluidScene::with_spacing(D) };
+        let plan = Plan::new(&scene).unwrap();
+        assert_eq!((plan.left_out.len(), plan.positions.len()), (0, 512 + 64), "{share}: {:?}", plan.left_out);
+        survives(&format!("{share} spacings in front of a wall"), Backend::Cpu, &scene, 1.0 / 60.0, 20);
+    }
+}
+
+/// What fits a tank by rounding fits it poured in as well.
+#[test]
+fn a_block_poured_into_a_tank_that_fits_loses_nothing() {
+    let tank = Vec3::splat(12.9 * D);
+    let boundaries = vec![Boundary::open_box(tank, tank / 2.0)];
+    let full =
+        FluidScene { volumes: vec![Volume::block(tank / 2.0, tank / 2.0)], boundaries, ..FluidScene::with_spacing(D) };
+    let start = Plan::new(&full).unwrap();
+    assert_eq!((start.positions.len(), start.left_out.len()), (13 * 13 * 13, 0));
+    let mut empty = FluidScene { volumes: Vec::new(), ..full };
+    empty.settings.max_particles = Some(13 * 13 * 13);
+    let mut solver = Backend::Cpu.open(Plan::new(&empty).unwrap(), None).unwrap();
+    let poured = NewParticles {
+        velocities: vec![Vec3::ZERO; start.positions.len()],
+        positions: start.positions,
+        lifetime: f32::INFINITY,
+        at: None,
+    };
+    let commands = vec![Command::Spawn(poured)];
+    let report = solver.step(&StepInput { duration: 0.01, commands, ..StepInput::default() }).unwrap();
+    assert_eq!((report.inside_solids, report.beside_solids, report.particles), (0, 0, 13 * 13 * 13), "{report:?}");
+}
+
 /// A block that sticks in walls on both sides can go neither way: the layers that are too near are left out too, and said.
 #[test]
 fn a_block_between_two_walls_that_has_no_room() {

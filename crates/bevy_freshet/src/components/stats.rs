@@ -42,7 +42,7 @@ pub struct FluidStats {
     /// Particles left out so far because they would have started inside a body, or were spawned inside a wall or a body; of
     /// volumes that are partly in a wall, [`notes`](Self::notes) say how many were left out.
     pub inside_solids: u64,
-    /// Particles left out likewise because a wall or a body was nearer than half a spacing.
+    /// Particles left out likewise because a body was nearer than half a spacing, or a wall than a fifth.
     pub beside_solids: u64,
     /// Time the solver took for the tick, ms: wall time on the CPU, the sum of time stamps on the GPU (zero without them).
     pub milliseconds: f32,

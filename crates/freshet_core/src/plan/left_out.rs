@@ -34,7 +34,8 @@ pub(super) struct Start<'a> {
 ///
 /// A lattice that a wall cuts may begin anywhere in front of it. What is left, each connected piece on its own, moves away from the
 /// wall by up to half a spacing along each axis, so that it begins where fluid at rest does, half a spacing from the face. Where
-/// something else is in the way, particles nearer than that are left out too. Volumes that no wall cuts stay as they are.
+/// something else is in the way, particles nearer than that are left out too. So it is with a volume that no wall cuts and that begins
+/// nearer to one than a lattice made to fit; all others stay as they are.
 pub(super) fn leave_out(
     start: Start<'_>,
     volumes: &[Volume],
@@ -47,6 +48,8 @@ pub(super) fn leave_out(
     let solids: Vec<(usize, Solid)> = numbered
         .flat_map(|(index, boundary)| boundary.solids(layer).into_iter().map(move |solid| (index, solid)))
         .collect();
+    let boxes: Vec<Bounds> =
+        ids.iter().map(|&(first, count)| Bounds::of(&positions[first as usize..(first + count) as usize])).collect();
     let mut left_out: Vec<LeftOut> = Vec::new();
     let mut all = Vec::with_capacity(positions.len());
     let mut moving = Vec::with_capacity(positions.len());
@@ -72,17 +75,22 @@ pub(super) fn leave_out(
             Place::Beside(..) | Place::Free => true,
         };
         let mut kept: Vec<Vec3> = points.iter().copied().filter(is_outside).collect();
-        if kept.len() < points.len() {
-            let alone = volumes.len() == 1;
+        let is_cut = kept.len() < points.len();
+        if is_cut || kept.iter().any(|point| obstacles.is_too_near(obstacles.place(*point))) {
             for piece in pieces(&kept, &volumes[volume], layer.spacing()) {
-                let shift =
-                    if alone { obstacles.way_out(&piece.iter().map(|&i| kept[i]).collect::<Vec<_>>()) } else { None };
+                let its: Vec<Vec3> = piece.iter().map(|&i| kept[i]).collect();
+                let mut others = boxes.iter().enumerate().filter(|(other, _)| *other != volume);
+                let is_alone = !others.any(|(_, other)| periodic.any() || other.meets(&its, 2.0 * layer.spacing()));
+                let shift = if is_alone { obstacles.way_out(&its) } else { None };
                 piece.iter().for_each(|&i| kept[i] += shift.unwrap_or_default());
             }
             kept.retain(|point| match obstacles.place(*point) {
-                Place::Inside(boundary) | Place::Beside(boundary, ..) => {
-                    note(boundary, 0, 1);
-                    false
+                place @ (Place::Inside(boundary) | Place::Beside(boundary, ..)) => {
+                    let leaves = is_cut || !matches!(place, Place::Beside(..)) || obstacles.is_too_near(place);
+                    if leaves {
+                        note(boundary, 0, 1);
+                    }
+                    !leaves
                 }
                 Place::Free => true,
             });
@@ -93,6 +101,29 @@ pub(super) fn leave_out(
     }
     (*positions, *velocities) = (all, moving);
     left_out
+}
+
+/// The box along the axes around points.
+struct Bounds {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Bounds {
+    fn of(points: &[Vec3]) -> Self {
+        let mut bounds = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+        for &point in points {
+            bounds.low = bounds.low.min(point);
+            bounds.high = bounds.high.max(point);
+        }
+        bounds
+    }
+
+    /// Whether the box around points is nearer than `margin` along every axis.
+    fn meets(&self, points: &[Vec3], margin: f32) -> bool {
+        let other = Self::of(points);
+        (self.low - margin).cmple(other.high).all() && (other.low - margin).cmple(self.high).all()
+    }
 }
 
 /// Indices of points by connected piece of the lattice of their volume.

@@ -148,7 +148,7 @@ impl Sorter {
         self.scan(cells);
         self.scatter(workers, particles.len);
         let live = self.starts[cells] as usize;
-        let [least, most] = CHUNKS_PER_THREAD.map(|chunks| chunks * workers.threads());
+        let [least, most] = CHUNKS_PER_THREAD.map(|chunks| chunks * workers.active());
         self.chunks = chunks(&self.starts, (live / CHUNK_PARTICLES).clamp(least, most));
         scratch.resize(live);
         self.reorder(workers, particles, scratch);
@@ -172,7 +172,7 @@ impl Sorter {
         rule: &KeyRule,
         particles: &Particles,
     ) -> Vec<Dropped> {
-        let blocks = workers.threads().min(16);
+        let blocks = workers.active().min(16);
         let size = particles.len.div_ceil(blocks).max(1);
         self.keys.resize(particles.len, 0);
         self.cursors.resize_with(blocks, Vec::new);
@@ -339,7 +339,10 @@ mod tests {
             let mut sorter = Sorter::default();
             let mut scratch = Particles::default();
             let bounds = [Vec3::splat(-100.0), Vec3::splat(100.0)];
-            let dropped = sorter.sort(&workers, Arch::new(), &grid, bounds, &mut particles, &mut scratch);
+            let dropped = workers.enter(particles.len, || {
+                assert_eq!(workers.active(), threads);
+                sorter.sort(&workers, Arch::new(), &grid, bounds, &mut particles, &mut scratch)
+            });
             assert_eq!(dropped, Dropped::default());
             assert_eq!(particles.len, 5000);
             for (i, &(cell, id, position, velocity)) in expected.iter().enumerate() {
@@ -365,8 +368,8 @@ mod tests {
         particles.position[0][99] = 1e9;
         let gone = [3, 40, 7, 8, 99].map(|i: usize| particles.id[i]);
         let bounds = [Vec3::splat(-100.0), Vec3::splat(100.0)];
-        let dropped =
-            Sorter::default().sort(&workers, Arch::new(), &grid, bounds, &mut particles, &mut Particles::default());
+        let (sorter, scratch) = (&mut Sorter::default(), &mut Particles::default());
+        let dropped = sorter.sort(&workers, Arch::new(), &grid, bounds, &mut particles, scratch);
         assert_eq!(dropped, Dropped { retired: 2, removed: 3 });
         assert_eq!(particles.len, 95);
         assert!(particles.id.iter().all(|id| !gone.contains(id)));

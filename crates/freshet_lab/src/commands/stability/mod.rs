@@ -23,8 +23,7 @@ use crate::verdict::{Bound, Verdict};
 
 /// The largest stable time step as a CFL number, `dt (c + v) / h`, with no other limit on the step.
 ///
-/// Bisected to 5 % on a violent scene (a dam break against the far wall), a calm one (a tall column at rest) and one without walls
-/// and surface (vortices in a cube that repeats itself), which tells what is the kernel's. A run fails by
+/// Bisected to 5 % on a violent scene (a dam break against the far wall) and a calm one (a tall column at rest). A run fails by
 /// numbers that are not finite, mechanical energy above 1.05 of the start, a mean compression above 5 %, a lost particle, or when
 /// the nearest neighbour of one particle in a hundred is nearer than 0.3 d; the map says by which. Bound: with default settings
 /// the plan's own factor is stable.

@@ -3,7 +3,6 @@
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::field::Field;
 use freshet_core::kernel::KernelKind;
-use freshet_core::periodic::Periodic;
 use freshet_core::plan::{Parameters, Plan, SceneError};
 use freshet_core::scene::{Boundary, FluidScene, Support, Volume};
 use freshet_core::step::StepReport;
@@ -14,7 +13,6 @@ use crate::backend::Backend;
 use crate::drive::Drive;
 use crate::error::LabError;
 use crate::measure::spacing::nearest_distances;
-use crate::reference::taylor_green;
 
 /// What is asked of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,29 +21,25 @@ pub enum Situation {
     Violent,
     /// A tall column at rest.
     Calm,
-    /// Taylor-Green vortices in a cube that repeats itself: no walls, no surface, the kernel and the equation of state alone.
-    Boundless,
 }
 
 impl Situation {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Violent, Self::Calm, Self::Boundless];
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Violent, Self::Calm];
 
     /// Name, as in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Violent => "dam break",
             Self::Calm => "column",
-            Self::Boundless => "vortices",
         }
     }
 
-    /// Simulated time, s: the front is at the far wall after 0.4 s; waves cross the column a hundred times; a vortex turns once.
+    /// Simulated time, s: the front is at the far wall after 0.4 s; waves cross the column a hundred times.
     fn seconds(self) -> f64 {
         match self {
             Self::Violent => 0.8,
             Self::Calm => 1.0,
-            Self::Boundless => 0.3,
         }
     }
 
@@ -53,7 +47,6 @@ impl Situation {
         let (block, container, spacing) = match self {
             Self::Violent => (Vec3::splat(0.5), Vec3::new(1.2, 1.5, 0.5), 0.05),
             Self::Calm => (Vec3::new(0.15, 0.5, 0.15), Vec3::new(0.15, 0.75, 0.15), 0.025),
-            Self::Boundless => return Self::vortices(),
         };
         FluidScene {
             name: self.name().to_owned(),
@@ -62,35 +55,7 @@ impl Situation {
             ..FluidScene::with_spacing(spacing)
         }
     }
-
-    fn vortices() -> FluidScene {
-        let mut scene = FluidScene {
-            name: Self::Boundless.name().to_owned(),
-            gravity: Vec3::ZERO,
-            volumes: vec![Volume::block(Vec3::splat(CUBE / 2.0), Vec3::splat(CUBE / 2.0))],
-            periodic: Periodic { x: Some((0.0, CUBE)), y: Some((0.0, CUBE)), z: Some((0.0, CUBE)) },
-            ..FluidScene::with_spacing(CUBE / 12.0)
-        };
-        scene.settings.expected_speed = Some(VORTEX_SPEED);
-        scene
-    }
-
-    /// Velocity at the start, m/s.
-    fn velocity(self, at: Vec3) -> Vec3 {
-        match self {
-            Self::Violent | Self::Calm => Vec3::ZERO,
-            Self::Boundless => {
-                let [u, v] = taylor_green::velocity(f64::from(at.x / CUBE), f64::from(at.y / CUBE));
-                VORTEX_SPEED * Vec3::new(u as f32, v as f32, 0.0)
-            }
-        }
-    }
 }
-
-/// Edge of the cube that repeats itself, m.
-const CUBE: f32 = 0.3;
-/// Largest speed in it at the start, m/s.
-const VORTEX_SPEED: f32 = 1.0;
 
 /// What of a solver is not the plan's default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,16 +118,16 @@ impl Configuration {
     }
 
     /// Its place among all.
-    pub fn place(&self) -> (bool, usize, u32, usize, usize, u32) {
+    pub fn place(&self) -> (bool, usize, u32, usize, bool, u32) {
         let kernel = KernelKind::WITH_GRADIENT.iter().position(|kernel| *kernel == self.kernel);
         let option = SolverOption::ALL.iter().position(|option| *option == self.option);
-        let situation = Situation::ALL.iter().position(|situation| *situation == self.situation);
+        let calm = self.situation == Situation::Calm;
         (
             self.backend == Backend::Gpu,
             kernel.unwrap_or_default(),
             self.neighbours as u32,
             option.unwrap_or_default(),
-            situation.unwrap_or_default(),
+            calm,
             self.sound as u32,
         )
     }
@@ -256,9 +221,8 @@ pub fn survives(configuration: &Configuration, number: f64) -> Result<Option<Fai
     parameters.viscous_factor = 1e6;
     let (gravity, spacing) = (f64::from(-parameters.gravity.y), parameters.spacing);
     let particles = plan.positions.len();
+    let start = energy(gravity, &plan.positions, &plan.velocities);
     let mut drive = Drive::open(configuration.backend, plan, Some(1), Vec::new())?;
-    drive.set_velocities(|position| configuration.situation.velocity(position))?;
-    let start = energy(gravity, &drive.positions()?, &drive.vectors(Field::Velocity)?);
     let ticks = (configuration.situation.seconds() / TICK).round() as u32;
     for _ in 0..ticks {
         let report = drive.tick(TICK)?;
