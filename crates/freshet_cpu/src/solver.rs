@@ -83,7 +83,7 @@ pub struct CpuSolver {
     emitted: Option<f64>,
     next_id: u32,
     mortal: bool,
-    /// There was no tick yet, and the particles are the plan's, in its order.
+    /// There was no tick yet.
     fresh: bool,
 }
 
@@ -235,7 +235,8 @@ impl CpuSolver {
         let begin = Instant::now();
         let mut report = StepReport { tick: input.tick, ..StepReport::default() };
         if std::mem::take(&mut self.fresh) {
-            for Misplaced { index, inside } in self.plan.started_inside(&input.bodies) {
+            let start: Vec<Vec3> = (0..self.particles.len).map(|index| self.particles.position_of(index)).collect();
+            for Misplaced { index, inside } in self.plan.started_inside(&start, &input.bodies) {
                 self.particles.life[index as usize] = -1.0;
                 *(if inside { &mut report.inside_solids } else { &mut report.beside_solids }) += 1;
             }
@@ -435,7 +436,7 @@ impl FluidSolver for CpuSolver {
         self.emitted = snapshot.emitted;
         self.next_id = snapshot.next_id;
         self.gravity = snapshot.gravity;
-        self.fresh = snapshot.is_start_of(&self.plan);
+        self.fresh = snapshot.is_start();
         self.exchanges.clone_from(&snapshot.exchanges);
         self.poses.clone_from(&snapshot.poses);
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
@@ -450,7 +451,6 @@ impl FluidSolver for CpuSolver {
         self.exchanges = carried_over(&self.exchanges, &before);
         self.poses = carried_over(&self.poses, &before);
         self.schedule.passes = passes;
-        self.fresh &= plan.positions == self.plan.positions;
         self.plan = plan;
         self.take_plan();
         Ok(())
