@@ -108,8 +108,8 @@ pub fn check_room(particles: usize, max_particles: u32) -> Result<(), InvalidInp
 }
 
 impl Snapshot {
-    /// Whether it was taken before the first tick: what bodies [have inside](crate::plan::Plan::started_inside) is then still to be found out.
-    /// For solvers.
+    /// Whether it was taken before the first tick: what bodies [have inside](crate::plan::Plan::started_inside) is then still
+    /// to be found out. For solvers.
     pub fn is_start(&self) -> bool {
         self.tick == 0
     }
