@@ -17,16 +17,24 @@ pub fn files(method: Method) -> [String; 3] {
 }
 
 /// Written on top of the CSV files.
-const COMMENT: &str = "Freshet, dam break: `cargo run --release -p freshet_lab -- dam-break --out docs/charts`.\n\
-    T = n t sqrt(g/a), Z = front/a, n^2 = height/width; front = 99.5th percentile of x plus d/2; slab 10 d deep.\n\
+/// The command that a file is from.
+fn command(method: Method) -> String {
+    let option = match method {
+        Method::WeaklyCompressible => "",
+        Method::DivergenceFree => " --method divergence-free",
+    };
+    format!("Freshet, dam break: `cargo run --release -p freshet_lab -- dam-break{option} --out docs/charts`.")
+}
+
+const COMMENT: &str = "T = n t sqrt(g/a), Z = front/a, n^2 = height/width; front = 99.5th percentile of x plus d/2; slab 10 d deep.\n\
     RMS of (Z - Z_measured)/Z_measured over the measured points with 1 < T < 3.3 (Lobovsky 1.57). The simulation at T - shift is\n\
     compared with the experiment at T. Times are of the machine that ran it.";
 
 /// Writes all files anew.
 pub fn write(output: &Output, method: Method, runs: &[Run]) -> Result<(), LabError> {
     let [table, curves, drawing] = files(method);
-    output.write(&table, summary(runs).text())?;
-    output.write(&curves, fronts(runs).text())?;
+    output.write(&table, summary(method, runs).text())?;
+    output.write(&curves, fronts(method, runs).text())?;
     chart::draw(output, &drawing, &chart(method, runs))?;
     Ok(())
 }
@@ -75,9 +83,10 @@ pub fn table(runs: &[Run]) -> Table {
     table
 }
 
-fn summary(runs: &[Run]) -> Csv {
+fn summary(method: Method, runs: &[Run]) -> Csv {
     let sources = DamBreakExperiment::ALL.map(|experiment| format!("{}: {}", experiment.name, experiment.source));
-    let comments = std::iter::once(COMMENT).chain(sources.iter().map(String::as_str));
+    let command = command(method);
+    let comments = [command.as_str(), COMMENT].into_iter().chain(sources.iter().map(String::as_str));
     let columns = [
         "case",
         "backend",
@@ -127,8 +136,8 @@ fn summary(runs: &[Run]) -> Csv {
     csv
 }
 
-fn fronts(runs: &[Run]) -> Csv {
-    let mut csv = Csv::new([COMMENT], &["case", "source", "a_over_d", "T", "Z"]);
+fn fronts(method: Method, runs: &[Run]) -> Csv {
+    let mut csv = Csv::new([command(method).as_str(), COMMENT], &["case", "source", "a_over_d", "T", "Z"]);
     for experiment in DamBreakExperiment::ALL {
         for &(time, front) in experiment.points {
             csv.row([experiment.name, "experiment", "", &format!("{time:.4}"), &format!("{front:.4}")]);
@@ -235,9 +244,11 @@ mod tests {
     #[test]
     fn files_say_what_was_measured() {
         let runs = runs([1.2, 1.04]);
-        let text = summary(&runs).text().to_owned();
+        let text = summary(Method::DivergenceFree, &runs).text().to_owned();
         assert!(text.contains("martin_moyce_tall,cpu,32,1000,4.00,4.00"), "{text}");
-        let rows = fronts(&runs).text().lines().filter(|line| line.contains(",cpu,")).count();
+        assert!(text.contains("--method divergence-free"), "{text}");
+        let rows =
+            fronts(Method::WeaklyCompressible, &runs).text().lines().filter(|line| line.contains(",cpu,")).count();
         assert_eq!(rows, 2 * DamBreakExperiment::ALL.iter().map(|e| e.points.len()).sum::<usize>());
         let drawn = chart(Method::DivergenceFree, &runs);
         assert!(drawn.title.contains("DFSPH"));
