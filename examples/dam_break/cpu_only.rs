@@ -37,6 +37,7 @@ pub fn run(arguments: &Arguments, setup: &Setup) -> Result<(), String> {
         let report = solver.step(&input).map_err(|error| error.to_string())?;
         scene_run.hear(&report);
         summary.solver += started.elapsed().as_secs_f64();
+        summary.ticks += 1;
         summary.simulated += report.simulated;
         summary.substeps += u64::from(report.substeps);
         summary.particles = report.particles;

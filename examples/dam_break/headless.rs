@@ -34,6 +34,9 @@ const PATIENCE: u32 = 600;
 /// Updates until the last picture must have come; it is two late.
 const PICTURE_PATIENCE: u32 = 60;
 
+/// Frames at the end by which drawing is timed apart from simulating.
+const STILL_FRAMES: u32 = 10;
+
 /// What the run has found.
 #[derive(Resource, Default, Clone)]
 struct Findings(Arc<Mutex<Summary>>);
@@ -96,6 +99,10 @@ pub fn run(arguments: &Arguments, setup: Setup) -> Result<(), String> {
         if findings.update(|summary| summary.pictures as usize == pictures.len()) || trouble.result().is_err() {
             break;
         }
+    }
+    if findings.update(|summary| summary.pictures as usize == pictures.len()) {
+        let still = still_frames(&mut app)?;
+        findings.update(|summary| summary.still_frames = still);
     }
     bar.finish_and_clear();
     let mut summary = findings.update(|summary| summary.clone());
@@ -182,6 +189,17 @@ fn update(app: &mut App) -> Result<(), String> {
     }
 }
 
+/// Wall times of frames in which nothing is simulated, s. Bevy draws the whole scene anew in each, the fluid as it is at the end.
+fn still_frames(app: &mut App) -> Result<Vec<f64>, String> {
+    let mut times = Vec::new();
+    for _ in 0..STILL_FRAMES {
+        let begin = Instant::now();
+        update(app)?;
+        times.push(begin.elapsed().as_secs_f64());
+    }
+    Ok(times)
+}
+
 /// Updates until nothing waits to be compiled.
 fn wait_for_pipelines(app: &mut App) -> Result<(), String> {
     // The first updates ask for pipelines.
@@ -228,6 +246,7 @@ fn note_figures(domains: Query<&FluidStats, Changed<FluidStats>>, findings: Res<
                 return;
             }
             summary.simulated = stats.time;
+            summary.ticks = stats.ticks;
             summary.solver += f64::from(stats.milliseconds) / 1e3;
             summary.substeps += u64::from(stats.substeps);
             summary.least_time_scale = summary.least_time_scale.min(stats.time_scale);

@@ -29,6 +29,11 @@ pub struct Summary {
     pub solver: f64,
     /// Wall time in all, s.
     pub wall: f64,
+    /// Ticks made.
+    pub ticks: u64,
+    /// Wall times of frames at the end of the run in which nothing was simulated and no picture was taken, s: all that Bevy does in
+    /// a frame, until the adapter has drawn it. None if nothing draws.
+    pub still_frames: Vec<f64>,
     /// Substeps in all.
     pub substeps: u64,
     /// Smallest time scale of a tick.
@@ -53,6 +58,18 @@ impl Summary {
         self.solver / self.simulated.max(1e-9)
     }
 
+    /// Wall time in the solver for a tick, s.
+    fn of_tick(&self) -> f64 {
+        self.solver / self.ticks.max(1) as f64
+    }
+
+    /// The median of the still frames, s.
+    fn of_drawing(&self) -> Option<f64> {
+        let mut frames = self.still_frames.clone();
+        frames.sort_by(f64::total_cmp);
+        frames.get(frames.len() / 2).copied()
+    }
+
     /// For people.
     pub fn text(&self) -> String {
         let mut text = String::new();
@@ -65,6 +82,11 @@ impl Summary {
         line("spacing", format!("{:.5} m", self.spacing));
         line("simulated time", format!("{:.3} s in {} substeps", self.simulated, self.substeps));
         line("wall time per simulated second, solver only", format!("{:.3} s", self.cost()));
+        line("wall time of a tick, solver only", format!("{:.3} ms", 1e3 * self.of_tick()));
+        if let Some(frame) = self.of_drawing() {
+            // A frame with a tick costs both, where the solver runs on the same processor as what draws.
+            line("wall time of a frame without a tick", format!("{:.3} ms until it is drawn", 1e3 * frame));
+        }
         line("wall time, pictures and all", format!("{:.3} s", self.wall));
         line("least time scale", format!("{:.3}", self.least_time_scale));
         line(
@@ -82,11 +104,13 @@ impl Summary {
 
     /// For programs.
     pub fn json(&self) -> String {
+        let still: Vec<String> = self.still_frames.iter().map(|seconds| format!("{seconds:.6}")).collect();
         let fronts: Vec<String> =
             self.fronts.iter().map(|sample| format!("[{:.5}, {:.5}]", sample.time, sample.front)).collect();
         format!(
             "{{\n  \"backend\": {:?},\n  \"adapter\": {:?},\n  \"particles\": {},\n  \"spacing_m\": {},\n  \"simulated_s\": {},\n  \
-             \"substeps\": {},\n  \"solver_wall_s\": {},\n  \"solver_wall_s_per_simulated_s\": {},\n  \"wall_s\": {},\n  \
+             \"substeps\": {},\n  \"solver_wall_s\": {},\n  \"solver_wall_s_per_simulated_s\": {},\n  \
+             \"ticks\": {},\n  \"solver_wall_s_per_tick\": {},\n  \"still_frames_wall_s\": [{}],\n  \"wall_s\": {},\n  \
              \"least_time_scale\": {},\n  \"mean_compression\": {},\n  \"max_compression\": {},\n  \"max_speed_m_s\": {},\n  \
              \"removed\": {},\n  \"pictures\": {},\n  \"front_s_m\": [{}]\n}}\n",
             self.backend,
@@ -97,6 +121,9 @@ impl Summary {
             self.substeps,
             self.solver,
             self.cost(),
+            self.ticks,
+            self.of_tick(),
+            still.join(", "),
             self.wall,
             self.least_time_scale,
             self.mean_compression,

@@ -20,6 +20,17 @@ fn dam_break_in(variables: &[(&str, &str)], arguments: &[&str]) -> Output {
     command.output().unwrap_or_else(|error| panic!("{}: {error}", program.display()))
 }
 
+/// What stands behind a name in a summary.
+fn field<'a>(summary: &'a str, name: &str) -> &'a str {
+    let start = format!("\"{name}\": ");
+    let line = summary.lines().find_map(|line| line.trim().strip_prefix(&start));
+    line.unwrap_or_else(|| panic!("no {name} in {summary}")).trim_end_matches(',')
+}
+
+fn number(summary: &str, name: &str) -> f64 {
+    field(summary, name).parse().unwrap_or_else(|error| panic!("{name}: {error} in {summary}"))
+}
+
 fn is_refused(arguments: &[&str], word: &str) {
     let output = dam_break(arguments);
     let said = String::from_utf8_lossy(&output.stderr);
@@ -98,9 +109,24 @@ fn headless_simulates_what_was_asked_for_and_ends_with_a_picture() {
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{said}");
         let summary = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
-        let simulated = summary.lines().find_map(|line| line.trim().strip_prefix("\"simulated_s\": ")).expect("a time");
-        let simulated: f64 = simulated.trim_end_matches(',').parse().expect("a number");
+        let simulated = number(&summary, "simulated_s");
         assert!((simulated - seconds).abs() < 1e-3, "{simulated}");
+        // Simulating and drawing are timed apart: frames without a tick came after those with one, all within the whole.
+        let still: Vec<f64> = field(&summary, "still_frames_wall_s")
+            .trim_matches(['[', ']'])
+            .split(", ")
+            .map(|time| time.parse().expect("a number"))
+            .collect();
+        assert_eq!(still.len(), 10, "{summary}");
+        assert!(still.iter().all(|time| *time > 0.0), "{summary}");
+        let (ticks, of_tick) = (number(&summary, "ticks"), number(&summary, "solver_wall_s_per_tick"));
+        assert_eq!(ticks, (60.0 * seconds).round(), "{summary}");
+        assert!(of_tick > 0.0, "{summary}");
+        assert!(ticks * of_tick + still.iter().sum::<f64>() < number(&summary, "wall_s"), "{summary}");
+        let text = std::fs::read_to_string(folder.join("summary.txt")).expect("a summary");
+        for line in ["wall time of a tick, solver only", "wall time of a frame without a tick"] {
+            assert!(text.contains(line), "{text}");
+        }
         let pictures = std::fs::read_dir(&folder).expect("the folder").flatten();
         let is_picture = |path: PathBuf| path.extension().is_some_and(|extension| extension == "png");
         let pictures = pictures.filter(|file| is_picture(file.path())).count();
@@ -164,6 +190,10 @@ fn without_an_adapter_there_is_a_summary_and_a_plot_or_exit_code_1() {
     for file in ["summary.txt", "summary.json", "front.svg"] {
         assert!(folder.join(file).is_file(), "{file}: {said}");
     }
+    // Nothing draws: no time of it, but that of simulating.
+    let summary = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
+    assert_eq!(field(&summary, "still_frames_wall_s"), "[]", "{summary}");
+    assert!(number(&summary, "solver_wall_s_per_tick") > 0.0, "{summary}");
     // A summary cannot be written where there is a folder of its name.
     std::fs::remove_file(folder.join("summary.txt")).expect("the summary");
     std::fs::create_dir(folder.join("summary.txt")).expect("a folder");

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_freshet::prelude::*;
+use bevy_rapier3d::prelude::*;
 
 use crate::harness::{ALL, Tank, TestApp, WATER};
 
@@ -121,4 +122,55 @@ fn a_compressible_fluid_is_allowed_on_request_and_the_statistics_say_so() {
     let notes = test.stats(tank.domain).notes.join("\n");
     assert!(notes.contains("compressible"), "{notes}");
     test.expect_no_complaints();
+}
+
+#[test]
+fn a_volume_that_starts_in_a_wall_says_how_much_of_it_is_left_out_and_why() {
+    for choice in ALL {
+        let mut test = TestApp::new();
+        let tank = Tank::spawn(&mut test, choice);
+        // Two of four layers are in it: 2 x 5 x 2 particles of the block of 5 x 4 x 5.
+        let member = FluidInDomain(tank.domain);
+        let step = test.spawn((FluidBoundary::cuboid(0.2, 0.4, 0.5), Transform::from_xyz(0.1, 0.0, 0.25), member));
+        test.tick(3);
+        let complaints = test.complaints();
+        assert_eq!(complaints.len(), 1, "{choice:?}: {complaints:?}");
+        assert_eq!((complaints[0].entity, complaints[0].component), (tank.water, "FluidVolume"), "{complaints:?}");
+        let beginning = "20 of 100 particles are left out: 20 have their centre inside the FluidBoundary of entity";
+        for words in [beginning, &step.to_string()] {
+            assert!(complaints[0].message.contains(words), "{words} in {complaints:?}");
+        }
+        let stats = test.settle(tank.domain);
+        assert_eq!((stats.particles, stats.inside_solids), (WATER - 20, 0), "{choice:?}");
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn a_volume_that_starts_in_a_body_says_how_much_of_it_is_left_out_and_why() {
+    for choice in ALL {
+        let mut test = TestApp::new();
+        let tank = Tank::spawn(&mut test, choice);
+        test.spawn((
+            RigidBody::Fixed,
+            Collider::ball(0.15),
+            FluidBody::default(),
+            FluidInDomain(tank.domain),
+            Transform::from_xyz(0.25, 0.2, 0.25),
+        ));
+        test.tick(6);
+        let stats = test.settle(tank.domain);
+        let left_out = stats.inside_solids + stats.beside_solids;
+        assert!(stats.inside_solids > 0, "{choice:?}: {stats:?}");
+        assert_eq!(u64::from(stats.particles) + left_out, u64::from(WATER), "{choice:?}");
+        let complaints = test.complaints();
+        assert_eq!(complaints.len(), 1, "{choice:?}: {complaints:?}");
+        assert_eq!((complaints[0].entity, complaints[0].component), (tank.domain, "FluidDomain"), "{complaints:?}");
+        let message = &complaints[0].message;
+        assert!(message.starts_with(&format!("{left_out} particles of its volumes are left out")), "{message}");
+        assert!(message.contains("inside a wall or a body"), "{message}");
+        // It is said once.
+        test.tick(10);
+        test.expect_no_complaints();
+    }
 }

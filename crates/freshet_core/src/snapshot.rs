@@ -4,7 +4,6 @@ use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidInput, check_finite, check_range};
-use crate::plan::Plan;
 use crate::step::{Impulse, StepInput};
 
 /// The state a solver starts from and can return to.
@@ -104,10 +103,10 @@ pub fn check_room(particles: usize, max_particles: u32) -> Result<(), InvalidInp
 }
 
 impl Snapshot {
-    /// Whether it was taken before the first tick and holds the particles that a plan starts with: what bodies
-    /// [have inside](Plan::started_inside) is then still to be found out. For solvers.
-    pub fn is_start_of(&self, plan: &Plan) -> bool {
-        self.tick == 0 && self.positions == plan.positions
+    /// Whether it was taken before the first tick: what bodies [have inside](crate::plan::Plan::started_inside) is then still to be found out.
+    /// For solvers.
+    pub fn is_start(&self) -> bool {
+        self.tick == 0
     }
 
     /// The snapshot as bytes: eight bytes of magic and version, the CRC-32 of what follows (four bytes, the lowest first),

@@ -528,12 +528,12 @@ pub struct Misplaced {
 }
 
 impl Plan {
-    /// Particles of the start whose centre is inside a body, or nearer to one than half a spacing, by index into
-    /// [`positions`](Self::positions), in order.
+    /// Which of the particles at `positions` have their centre inside a body, or nearer to one than half a spacing, in order.
     ///
-    /// For solvers, which ask on the first tick: before it bodies have no place. `bodies` are that tick's, in the plan's order.
-    pub fn started_inside(&self, bodies: &[BodyInput]) -> Vec<Misplaced> {
-        self.misplaced(&self.positions, self.body_solids(bodies), true)
+    /// For solvers, which ask on the first tick of the particles they hold: before it bodies have no place. `bodies` are that
+    /// tick's, in the plan's order.
+    pub fn started_inside(&self, positions: &[Vec3], bodies: &[BodyInput]) -> Vec<Misplaced> {
+        self.misplaced(positions, self.body_solids(bodies), true)
     }
 
     /// Particles that a tick's commands are to spawn with their centre inside a wall or a body, counted over all

@@ -101,6 +101,11 @@ pub struct Sums {
 }
 
 impl Sums {
+    /// Bytes allocated.
+    pub fn bytes(&self) -> u64 {
+        4 * self.values.capacity() as u64
+    }
+
     /// `count` lanes of zeros.
     #[inline(always)]
     pub fn zeroed<S: Simd>(&mut self, count: usize) -> &mut [S::f32s] {

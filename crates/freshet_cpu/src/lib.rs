@@ -14,6 +14,8 @@ mod samples;
 mod schedule;
 mod simd_kernel;
 mod solver;
+mod tasks;
 mod workers;
+mod workspace;
 
 pub use solver::{CpuOptions, CpuSolver, InstructionSet};

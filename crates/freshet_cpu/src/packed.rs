@@ -12,6 +12,7 @@ use crate::lanes::avx512;
 use crate::lanes::{PADDING, load, store};
 
 /// `N` quantities of the candidates around a cell; the first three are the position.
+#[derive(Default)]
 pub struct Packed<const N: usize> {
     /// A run of `room` values of each quantity.
     values: Vec<f32>,
@@ -24,9 +25,16 @@ pub struct Packed<const N: usize> {
 }
 
 impl<const N: usize> Packed<N> {
-    /// Without candidates, for a grid.
-    pub fn new(grid: &Grid) -> Self {
-        Self { values: Vec::new(), room: 0, len: 0, reach: grid.cell_size, periods: grid.periodic.lengths().into() }
+    /// Forgets the candidates; those to come are in this grid.
+    pub fn begin(&mut self, grid: &Grid) {
+        self.len = 0;
+        self.reach = grid.cell_size;
+        self.periods = grid.periodic.lengths().into();
+    }
+
+    /// Bytes allocated.
+    pub fn bytes(&self) -> u64 {
+        4 * self.values.capacity() as u64
     }
 
     /// Number of candidates.
@@ -140,7 +148,8 @@ mod tests {
         type Output = Vec<[f32; 4]>;
 
         fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-            let mut packed = Packed::<4>::new(self.3);
+            let mut packed = Packed::<4>::default();
+            packed.begin(self.3);
             let [x, y, z] = &self.0.position;
             let mut candidates = Candidates::default();
             candidates.begin(self.3);

@@ -26,20 +26,20 @@ impl SortedSamples {
     /// Sorts samples, each as its image within the periods; reuses memory.
     pub fn sort(&mut self, grid: &Grid, positions: &[Vec3], volumes: &[f32]) {
         if grid.periodic.any() {
-            let wrapped: Vec<Vec3> = positions.iter().map(|&position| grid.periodic.wrap(position)).collect();
-            self.sort_within(grid, &wrapped, volumes);
+            let images = positions.iter().map(|&position| grid.periodic.wrap(position));
+            self.sort_within(grid, images, volumes);
         } else {
-            self.sort_within(grid, positions, volumes);
+            self.sort_within(grid, positions.iter().copied(), volumes);
         }
     }
 
-    fn sort_within(&mut self, grid: &Grid, positions: &[Vec3], volumes: &[f32]) {
+    fn sort_within(&mut self, grid: &Grid, positions: impl ExactSizeIterator<Item = Vec3> + Clone, volumes: &[f32]) {
         let count = positions.len();
         let cells = grid.cells() as usize;
         self.starts.clear();
         self.starts.resize(cells + 1, 0);
         let cell_of = |position: Vec3| grid.index(grid.coordinates(position)) as usize;
-        for &position in positions {
+        for position in positions.clone() {
             self.starts[cell_of(position)] += 1;
         }
         let mut total = 0;
@@ -51,7 +51,7 @@ impl SortedSamples {
             values.resize(count + PADDING, 0.0);
         }
         self.source.resize(count, 0);
-        for (index, (&position, &volume)) in positions.iter().zip(volumes).enumerate() {
+        for (index, (position, &volume)) in positions.zip(volumes).enumerate() {
             // Starts serve as cursors and end up one cell ahead; they are moved back below.
             let cursor = &mut self.starts[cell_of(position)];
             let slot = *cursor as usize;

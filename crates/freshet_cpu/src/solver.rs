@@ -2,6 +2,7 @@
 
 mod stages;
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -25,6 +26,7 @@ use crate::passes::step_control;
 use crate::samples::SortedSamples;
 use crate::schedule;
 use crate::workers::Workers;
+use crate::workspace::Workspace;
 
 /// Which vector instructions to use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,12 +59,21 @@ pub struct CpuSolver {
     sorter: Sorter,
     /// Of each chunk, from the density pass to the acceleration pass.
     candidates: Vec<Candidates>,
+    /// Of each thread.
+    workspaces: Vec<Workspace>,
     density: Vec<f32>,
     pressure_term: Vec<f32>,
     acceleration: [Vec<f32>; 3],
     walls: SortedSamples,
     body_samples: BodySamples,
     bodies: Vec<MovingBody>,
+    /// Slots of the bodies' samples that are one task of the load's pass.
+    slots: Vec<Range<usize>>,
+    /// On each of these samples, N: in the order of slots, and in the bodies' own.
+    sorted_forces: Vec<Vec3>,
+    forces: Vec<Vec3>,
+    /// Force (N) and torque (N m) on each body.
+    loads: Vec<(Vec3, Vec3)>,
     exchanges: Vec<[Exchange; 4]>,
     poses: Vec<Option<BodyPose>>,
     gravity: Vec3,
@@ -72,7 +83,7 @@ pub struct CpuSolver {
     emitted: Option<f64>,
     next_id: u32,
     mortal: bool,
-    /// There was no tick yet, and the particles are the plan's, in its order.
+    /// There was no tick yet.
     fresh: bool,
 }
 
@@ -119,19 +130,24 @@ impl CpuSolver {
         }
         let mut solver = Self {
             schedule: schedule::schedule(passes, Vec::new(), plan.max_particles),
-            workers,
             arch,
             next_id: particles.len as u32,
             particles,
             scratch: Particles::default(),
             sorter: Sorter::default(),
             candidates: Vec::new(),
+            workspaces: workers.spaces(),
             density: Vec::new(),
             pressure_term: Vec::new(),
             acceleration: Default::default(),
             walls: SortedSamples::default(),
             body_samples: BodySamples::default(),
+            workers,
             bodies: Vec::new(),
+            slots: Vec::new(),
+            sorted_forces: Vec::new(),
+            forces: Vec::new(),
+            loads: Vec::new(),
             exchanges: Vec::new(),
             poses: Vec::new(),
             gravity: plan.parameters.gravity,
@@ -172,7 +188,9 @@ impl CpuSolver {
         self.body_samples = BodySamples::default();
         self.candidates = Vec::new();
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
+        self.workspaces = self.workers.spaces();
         self.bodies = Vec::new();
+        (self.slots, self.sorted_forces, self.forces) = Default::default();
         self.measure_memory();
     }
 
@@ -183,12 +201,18 @@ impl CpuSolver {
             + real(&self.acceleration);
         let lists = (size_of::<Candidates>() * self.candidates.capacity()) as u64;
         let candidates = lists + self.candidates.iter().map(Candidates::bytes).sum::<u64>();
+        let workspaces = (size_of::<Workspace>() * self.workspaces.capacity()) as u64;
         self.schedule.buffers = vec![
             schedule::buffer("particles", self.particles.bytes(), true),
             schedule::buffer("particles_sorted", self.scratch.bytes(), true),
             schedule::buffer("stage_fields", stage, true),
             schedule::buffer("sort", self.sorter.bytes(), true),
             schedule::buffer("candidates", candidates, true),
+            schedule::buffer(
+                "workspaces",
+                workspaces + self.workspaces.iter().map(Workspace::bytes).sum::<u64>(),
+                false,
+            ),
         ];
         if !self.walls.is_empty() {
             self.schedule.buffers.push(schedule::buffer("walls", self.walls.bytes(), false));
@@ -196,7 +220,10 @@ impl CpuSolver {
         if !self.plan.bodies.is_empty() {
             let states = size_of::<MovingBody>() * self.bodies.capacity()
                 + size_of::<[Exchange; 4]>() * self.exchanges.capacity()
-                + size_of::<Option<BodyPose>>() * self.poses.capacity();
+                + size_of::<Option<BodyPose>>() * self.poses.capacity()
+                + size_of::<Range<usize>>() * self.slots.capacity()
+                + size_of::<Vec3>() * (self.sorted_forces.capacity() + self.forces.capacity())
+                + size_of::<(Vec3, Vec3)>() * self.loads.capacity();
             let bytes = self.body_samples.bytes() + states as u64;
             self.schedule.buffers.push(schedule::buffer("bodies", bytes, false));
         }
@@ -208,7 +235,8 @@ impl CpuSolver {
         let begin = Instant::now();
         let mut report = StepReport { tick: input.tick, ..StepReport::default() };
         if std::mem::take(&mut self.fresh) {
-            for Misplaced { index, inside } in self.plan.started_inside(&input.bodies) {
+            let start: Vec<Vec3> = (0..self.particles.len).map(|index| self.particles.position_of(index)).collect();
+            for Misplaced { index, inside } in self.plan.started_inside(&start, &input.bodies) {
                 self.particles.life[index as usize] = -1.0;
                 *(if inside { &mut report.inside_solids } else { &mut report.beside_solids }) += 1;
             }
@@ -272,6 +300,7 @@ impl CpuSolver {
         if tally.dropped.retired + tally.dropped.removed > 0 {
             self.particles.shrink();
             self.scratch.shrink();
+            self.candidates.truncate(self.sorter.chunks.len());
             self.candidates.iter_mut().for_each(Candidates::shrink);
         }
         self.measure_memory();
@@ -307,15 +336,14 @@ impl CpuSolver {
         }
         let compression = tally.timed("density", || self.density_stage());
         let maxima = tally.timed("acceleration", || self.acceleration_stage());
-        let loads = if self.plan.has(StageKind::BodyLoad) {
-            tally.timed("body_load", || self.body_load_stage())
-        } else {
-            Vec::new()
-        };
+        self.loads.clear();
+        if self.plan.has(StageKind::BodyLoad) {
+            tally.timed("body_load", || self.body_load_stage());
+        }
         let dt = tally
             .timed("step_control", || step_control::substep(&self.plan.parameters, &maxima, &self.bodies, remaining));
         tally.timed("body_motion", || {
-            for (body, (force, torque)) in self.bodies.iter_mut().zip(loads) {
+            for (body, &(force, torque)) in self.bodies.iter_mut().zip(&self.loads) {
                 body.advance(force, torque, dt);
             }
         });
@@ -408,7 +436,7 @@ impl FluidSolver for CpuSolver {
         self.emitted = snapshot.emitted;
         self.next_id = snapshot.next_id;
         self.gravity = snapshot.gravity;
-        self.fresh = snapshot.is_start_of(&self.plan);
+        self.fresh = snapshot.is_start();
         self.exchanges.clone_from(&snapshot.exchanges);
         self.poses.clone_from(&snapshot.poses);
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
@@ -423,7 +451,6 @@ impl FluidSolver for CpuSolver {
         self.exchanges = carried_over(&self.exchanges, &before);
         self.poses = carried_over(&self.poses, &before);
         self.schedule.passes = passes;
-        self.fresh &= plan.positions == self.plan.positions;
         self.plan = plan;
         self.take_plan();
         Ok(())

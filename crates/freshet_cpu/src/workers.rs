@@ -1,12 +1,15 @@
 //! Sharing a pass among cores.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, OnceLock};
 
+use arrayvec::ArrayVec;
 use freshet_core::error::InvalidInput;
 use freshet_core::solver::SolverError;
 
-/// Most threads of its own a solver may ask for.
+use crate::tasks::{Cut, Each, Piece, Tasks, Total};
+
+/// Most threads of its own a solver may ask for, and that share a pass on a processor with more cores.
 const MOST_THREADS: usize = 256;
 
 /// Particles that a thread must have to be worth waking.
@@ -68,7 +71,7 @@ impl Workers {
     /// shared from there starts at once, where waking a core costs fifty microseconds and more, and that for every pass. What is
     /// shared must not wait for the pool itself: a thread that waits could be the one that is kept awake.
     pub fn enter<R: Send>(&self, particles: usize, body: impl FnOnce() -> R + Send) -> R {
-        let active = self.threads().min(particles / LEAST_PARTICLES).max(1);
+        let active = self.threads().min(particles / LEAST_PARTICLES).clamp(1, MOST_THREADS);
         let Some(pool) = self.pool.as_ref().filter(|_| active > 1) else {
             return body();
         };
@@ -90,54 +93,93 @@ impl Workers {
         })
     }
 
-    /// Calls `body` for each task, in any order, on all threads; the results are in the order of the tasks.
+    /// A value for each thread, to lend to the tasks of a pass.
+    pub fn spaces<S: Default>(&self) -> Vec<S> {
+        std::iter::repeat_with(S::default).take(self.threads().min(MOST_THREADS)).collect()
+    }
+
+    /// Calls `body` for each task, in any order, on all threads; returns the total of the results.
+    pub fn share<P, E, V, R>(&self, tasks: Tasks<P, E, V>, body: impl Fn((&P, E::One, V)) -> R + Sync) -> R
+    where
+        P: Piece,
+        E: Each,
+        V: Cut,
+        R: Total,
+    {
+        // Values of no size take no memory.
+        self.share_with(&mut self.spaces(), tasks, |(), task| body(task))
+    }
+
+    /// Calls `body` for each task, in any order, on all threads, never with the same one of the `spaces` at the same time, of which
+    /// there is one for each thread; returns the total of the results. Nothing is allocated.
     ///
     /// Each thread has a run of consecutive tasks, the same ones in every pass, whose data it still holds; who is done with them
     /// helps the others.
-    pub fn map<T: Send, R: Send + Sync>(&self, tasks: Vec<T>, body: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
+    pub fn share_with<S, P, E, V, R>(
+        &self,
+        spaces: &mut [S],
+        mut tasks: Tasks<P, E, V>,
+        body: impl Fn(&mut S, (&P, E::One, V)) -> R + Sync,
+    ) -> R
+    where
+        S: Send,
+        P: Piece,
+        E: Each,
+        V: Cut,
+        R: Total,
+    {
         let threads = self.active();
-        if threads == 1 {
-            return tasks.into_iter().map(body).collect();
+        let [space, others @ ..] = &mut spaces[..threads] else { return R::default() };
+        if others.is_empty() {
+            return tasks.fold(R::default(), |total, task| total.and(body(space, task)));
         }
         let count = tasks.len();
-        let tasks: Vec<Mutex<Option<T>>> = tasks.into_iter().map(|task| Mutex::new(Some(task))).collect();
-        let results: Vec<OnceLock<R>> = (0..count).map(|_| OnceLock::new()).collect();
-        let next: Vec<AtomicUsize> = (0..threads).map(|thread| AtomicUsize::new(count * thread / threads)).collect();
-        let work = || {
+        let end = |thread: usize| count * thread / threads;
+        let runs: ArrayVec<_, MOST_THREADS> =
+            (0..threads).map(|thread| Mutex::new(tasks.cut(end(thread + 1) - end(thread)))).collect();
+        let work = |space: &mut S| {
             let here = self.place().min(threads - 1);
-            for of in (here..threads).chain(0..here) {
-                let end = count * (of + 1) / threads;
-                loop {
-                    let index = next[of].fetch_add(1, Ordering::Relaxed);
-                    if index >= end {
-                        break;
-                    }
-                    let task = tasks[index].lock().ok().and_then(|mut task| task.take());
-                    if let Some(result) = task.map(&body) {
-                        // Each task is taken once.
-                        let _ = results[index].set(result);
-                    }
+            let mut total = R::default();
+            for run in (here..threads).chain(0..here).map(|of| &runs[of]) {
+                while let Some(task) = run.lock().ok().and_then(|mut run| run.next()) {
+                    total = total.and(body(space, task));
                 }
             }
+            total
         };
         let ended = AtomicUsize::new(0);
-        rayon::scope(|scope| {
-            for _ in 1..threads {
-                scope.spawn(|_| {
-                    let _one = CountOnDrop(&ended);
-                    work();
-                });
-            }
-            work();
-            // The scope's own waiting would fall asleep.
+        offer(others, &ended, &work, || {
+            let total = work(space);
+            // A join's own waiting would fall asleep.
             while ended.load(Ordering::Relaxed) < threads - 1 {
                 if rayon::yield_now() != Some(rayon::Yield::Executed) {
                     std::thread::yield_now();
                 }
             }
-        });
-        results.into_iter().filter_map(OnceLock::into_inner).collect()
+            total
+        })
     }
+}
+
+/// Offers `work` with each of the `spaces` to other threads, then calls `own`; returns the total of the results. The calling thread
+/// offers all of it: a thread that takes some waits for nobody.
+fn offer<S: Send, R: Total>(
+    spaces: &mut [S],
+    ended: &AtomicUsize,
+    work: &(impl Fn(&mut S) -> R + Sync),
+    own: impl FnOnce() -> R + Send,
+) -> R {
+    let Some((space, others)) = spaces.split_first_mut() else {
+        return own();
+    };
+    let (total, other) = rayon::join(
+        || offer(others, ended, work, own),
+        || {
+            let _one = CountOnDrop(ended);
+            work(space)
+        },
+    );
+    total.and(other)
 }
 
 /// Lets the threads go when a tick is over, also by a panic.
@@ -162,17 +204,6 @@ impl Drop for CountOnDrop<'_> {
     }
 }
 
-/// Splits `values` at the ends of consecutive `ranges` that cover it from 0.
-pub fn split<'a, T>(mut values: &'a mut [T], ranges: &[Chunk]) -> Vec<&'a mut [T]> {
-    let mut parts = Vec::with_capacity(ranges.len());
-    for range in ranges {
-        let (part, rest) = values.split_at_mut(range.particles.len());
-        parts.push(part);
-        values = rest;
-    }
-    parts
-}
-
 /// A run of cells and the particles in them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chunk {
@@ -183,10 +214,11 @@ pub struct Chunk {
 }
 
 /// Cuts the cells into about `count` chunks of about equally many particles.
-pub fn chunks(cell_starts: &[u32], count: usize) -> Vec<Chunk> {
+pub fn cut_into_chunks(chunks: &mut Vec<Chunk>, cell_starts: &[u32], count: usize) {
     let cells = cell_starts.len() - 1;
     let particles = cell_starts[cells] as usize;
-    let mut chunks = Vec::with_capacity(count);
+    chunks.clear();
+    chunks.reserve(count);
     let mut first = 0;
     for part in 1..=count {
         let target = (particles * part / count) as u32;
@@ -197,29 +229,70 @@ pub fn chunks(cell_starts: &[u32], count: usize) -> Vec<Chunk> {
             first = end;
         }
     }
-    chunks
 }
 
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;
-    use std::time::Duration;
+    use std::sync::mpsc;
+    use std::time::{Duration, Instant};
 
     use super::*;
 
+    /// How many tasks there were, and their sum.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    struct Sum(usize, u64);
+
+    impl Total for Sum {
+        fn and(self, other: Self) -> Self {
+            Self(self.0 + other.0, self.1 + other.1)
+        }
+    }
+
+    /// Shares `count` tasks of three values each, calls `body` for each and checks that each had its own.
+    fn shared(workers: &Workers, count: usize, body: impl Fn(usize) + Sync) -> Sum {
+        let pieces: Vec<_> = (0..count).map(|i| 3 * i..3 * i + 3).collect();
+        let mut values = vec![0; 3 * count];
+        let sum = workers.share(Tasks::new(&pieces, (), &mut *values), |(piece, (), values)| {
+            body(piece.start / 3);
+            for (i, value) in piece.clone().zip(&mut *values) {
+                *value += i + 1;
+            }
+            Sum(1, piece.start as u64)
+        });
+        assert!(values.into_iter().eq(1..=3 * count));
+        sum
+    }
+
     #[test]
-    fn tasks_are_shared_and_results_keep_their_order() {
+    fn tasks_are_shared_each_once() {
         let workers = Workers::new(Some(3)).unwrap();
         let threads = Mutex::new(HashSet::new());
-        let doubled = workers.enter(64_000, || {
-            workers.map((0..64).collect(), |i: u32| {
+        let sum = workers.enter(64_000, || {
+            shared(&workers, 64, |_| {
                 std::thread::sleep(Duration::from_millis(1));
                 threads.lock().unwrap().insert(std::thread::current().id());
-                2 * i
             })
         });
-        assert_eq!(doubled, (0..64).map(|i| 2 * i).collect::<Vec<_>>());
+        assert_eq!(sum, Sum(64, (0..64).map(|i| 3 * i).sum()));
         assert_eq!(threads.into_inner().unwrap().len(), 3);
+    }
+
+    #[test]
+    fn no_two_tasks_have_a_space_at_the_same_time() {
+        let workers = Workers::new(Some(3)).unwrap();
+        let mut spaces: Vec<u64> = workers.spaces();
+        let pieces: Vec<_> = (0..64).map(|i| i..i + 1).collect();
+        let sum = workers.enter(64_000, || {
+            workers.share_with(&mut spaces, Tasks::new(&pieces, (), ()), |space, _| {
+                let before = *space;
+                std::thread::sleep(Duration::from_millis(1));
+                *space = before + 1;
+                Sum(1, 0)
+            })
+        });
+        assert_eq!(sum.0, 64);
+        assert_eq!(spaces.iter().sum::<u64>(), 64);
     }
 
     #[test]
@@ -228,8 +301,7 @@ mod tests {
         for (particles, active) in [(0, 1), (1_999, 1), (2_000, 2), (3_000, 3), (64_000, 3)] {
             assert_eq!(workers.enter(particles, || workers.active()), active, "{particles} particles");
             assert_eq!(workers.active(), 1);
-            let sum: u64 = workers.enter(particles, || workers.map(vec![1u64; 9], |i| i)).iter().sum();
-            assert_eq!(sum, 9);
+            assert_eq!(workers.enter(particles, || shared(&workers, 9, |_| {})).0, 9);
         }
     }
 
@@ -241,33 +313,49 @@ mod tests {
                 std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| workers.enter(64_000, || panic!("no"))));
             assert!(outcome.is_err());
             let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                workers.enter(64_000, || workers.map(vec![1, 2, 3], |i| assert_ne!(i, 2)));
+                workers.enter(64_000, || shared(&workers, 3, |i| assert_ne!(i, 1)));
             }));
             assert!(outcome.is_err());
         }
-        assert_eq!(workers.map(vec![1, 2], |i| i + 1), [2, 3]);
+        assert_eq!(shared(&workers, 2, |_| {}).0, 2);
     }
 
     #[test]
     fn many_passes_of_many_solvers_with_more_threads_than_cores_end() {
-        std::thread::scope(|scope| {
-            for threads in [2, 3, 16, 16] {
-                scope.spawn(move || {
-                    let workers = Workers::new(Some(threads)).unwrap();
-                    for _ in 0..200 {
-                        let sums = workers.enter(64_000, || workers.map(vec![1u64; 9], |i| i));
-                        assert_eq!(sums.iter().sum::<u64>(), 9);
-                    }
-                });
+        // A thread that waits for another for ever cannot be stopped: it is left behind, and the test fails.
+        const DEADLINE: Duration = Duration::from_secs(120);
+        let (done, outcome) = mpsc::channel();
+        for threads in [2, 3, 16, 16] {
+            let done = done.clone();
+            std::thread::spawn(move || {
+                let workers = Workers::new(Some(threads)).unwrap();
+                let counted = (0..200).all(|_| workers.enter(64_000, || shared(&workers, 9, |_| {})).0 == 9);
+                // Nobody listens any more after the deadline.
+                let _ = done.send((threads, counted));
+            });
+        }
+        drop(done);
+        let begin = Instant::now();
+        for ended in 0..4 {
+            match outcome.recv_timeout(DEADLINE.saturating_sub(begin.elapsed())) {
+                Ok((threads, counted)) => assert!(counted, "with {threads} threads a task was lost"),
+                Err(mpsc::RecvTimeoutError::Timeout) => {
+                    panic!(
+                        "only {ended} of 4 solvers had ended after {} s: threads wait for each other",
+                        DEADLINE.as_secs()
+                    )
+                }
+                Err(mpsc::RecvTimeoutError::Disconnected) => panic!("a solver panicked after {ended} of 4 had ended"),
             }
-        });
+        }
     }
 
     #[test]
     fn chunks_cover_all_cells_once() {
         for count in [1, 2, 3, 7, 64] {
             let starts = [0, 0, 3, 3, 10, 11, 11, 30, 30];
-            let chunks = chunks(&starts, count);
+            let mut chunks = vec![Chunk { cells: 0..1, particles: 0..0 }];
+            cut_into_chunks(&mut chunks, &starts, count);
             assert_eq!(chunks.first().map(|chunk| chunk.cells.start), Some(0));
             assert_eq!(chunks.last().map(|chunk| (chunk.cells.end, chunk.particles.end)), Some((8, 30)));
             for pair in chunks.windows(2) {

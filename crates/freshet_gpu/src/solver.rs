@@ -3,8 +3,9 @@
 use std::collections::VecDeque;
 
 use freshet_core::plan::Plan;
+use freshet_core::solid::Misplaced;
 use freshet_core::solver::{Schedule, ScheduledBuffer, SolverError};
-use freshet_core::step::{StepInput, StepReport};
+use freshet_core::step::{BodyInput, StepInput, StepReport};
 use glam::Vec3;
 
 use crate::buffers::{Buffers, INPUT_STRIDE, TICK_SLOTS};
@@ -82,8 +83,8 @@ pub struct GpuSolver {
     pub(crate) spawning: VecDeque<Spawning>,
     /// Particles left out that have not fallen out yet: a tick of no duration does not sort.
     pub(crate) falling: u32,
-    /// There was no tick yet, and the particles are the plan's, in its order.
-    pub(crate) fresh: bool,
+    /// Particles at the start; none once there was a tick.
+    pub(crate) start: Option<Start>,
     pub(crate) known: Known,
     pub(crate) generation: u64,
     pub(crate) gravity: Vec3,
@@ -92,6 +93,21 @@ pub struct GpuSolver {
     pub(crate) emitted: Option<f64>,
     pub(crate) ticks: u64,
     next_slot: u32,
+}
+
+/// The particles before the first tick, which are on the GPU by then: only that tick says where bodies are.
+#[derive(Debug)]
+pub(crate) struct Start {
+    pub(crate) ids: Vec<u32>,
+    pub(crate) positions: Vec<Vec3>,
+}
+
+impl Start {
+    /// Those that start in or beside bodies, by id.
+    fn inside(&self, plan: &Plan, bodies: &[BodyInput]) -> Vec<Misplaced> {
+        let found = plan.started_inside(&self.positions, bodies).into_iter();
+        found.map(|one| Misplaced { index: self.ids[one.index as usize], ..one }).collect()
+    }
 }
 
 impl GpuSolver {
@@ -143,7 +159,7 @@ impl GpuSolver {
             late: Vec::new(),
             spawning: VecDeque::new(),
             falling: 0,
-            fresh: true,
+            start: None,
             known: Known::default(),
             generation: 0,
             time: 0.0,
@@ -170,8 +186,7 @@ impl GpuSolver {
         }
         let slot = self.next_slot;
         self.next_slot = (slot + 1) % TICK_SLOTS as u32;
-        let fresh = std::mem::take(&mut self.fresh);
-        let started = if fresh { self.plan.started_inside(&input.bodies) } else { Vec::new() };
+        let started = self.start.take().map(|start| start.inside(&self.plan, &input.bodies)).unwrap_or_default();
         let left_out = LeftOut { started, spawned: self.plan.spawned_inside(input) };
         let edits = Edits::of(&input.commands, left_out, &mut self.gravity, (self.time, self.known.clock));
         let bodies = self.plan.bodies.len() as u32;
@@ -291,6 +306,7 @@ impl GpuSolver {
                 remaining_life: f32::INFINITY,
             })
             .collect();
+        self.start = Some(Start { ids: (0..particles.len() as u32).collect(), positions: self.plan.positions.clone() });
         let control = StepControl { next_id: particles.len() as u32, ..Default::default() };
         self.upload_state(&particles, control);
     }

@@ -11,7 +11,7 @@ use crate::buffers::Buffers;
 use crate::layout::{
     AccelerationRecord, Binding, BodyInputRecord, BodyRecord, ExchangeRecord, ParticleRecord, StepControl,
 };
-use crate::solver::{GpuSolver, halves};
+use crate::solver::{GpuSolver, Start, halves};
 
 impl GpuSolver {
     /// Makes the ticks that were prepared and waits for those in flight; the next `collect` gives their reports.
@@ -118,7 +118,8 @@ impl GpuSolver {
         self.emitted = snapshot.emitted;
         self.ticks = snapshot.tick;
         self.falling = 0;
-        self.fresh = snapshot.is_start_of(&self.plan);
+        self.start =
+            snapshot.is_start().then(|| Start { ids: snapshot.ids.clone(), positions: snapshot.positions.clone() });
         let particles: Vec<ParticleRecord> = (0..snapshot.ids.len())
             .map(|index| ParticleRecord {
                 position: snapshot.positions[index],

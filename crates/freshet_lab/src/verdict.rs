@@ -78,12 +78,19 @@ impl Check {
 pub struct Verdict {
     /// In the order they were made.
     pub checks: Vec<Check>,
+    /// What was not measured, and the bound it would have to keep: neither kept nor missed.
+    pub unmeasured: Vec<(String, &'static str, Bound)>,
 }
 
 impl Verdict {
     /// Adds a check.
     pub fn check(&mut self, name: impl Into<String>, value: f64, unit: &'static str, bound: Bound) {
         self.checks.push(Check::new(name, value, unit, bound));
+    }
+
+    /// Says of a bound that what it is about was not measured.
+    pub fn leave_open(&mut self, name: impl Into<String>, unit: &'static str, bound: Bound) {
+        self.unmeasured.push((name.into(), unit, bound));
     }
 
     /// Those that missed their bound.
@@ -108,11 +115,19 @@ impl std::fmt::Display for Verdict {
                 if check.passes() { "ok".to_owned() } else { "MISSED".to_owned() },
             ]);
         }
+        for (name, unit, bound) in &self.unmeasured {
+            let bound = format!("{bound} {unit}");
+            table.row([name.clone(), "not measured".to_owned(), bound.trim_end().to_owned(), "open".to_owned()]);
+        }
         write!(f, "{table}")?;
         let missed = self.missed().count();
         match missed {
             0 => write!(f, "all {} bounds kept", self.checks.len()),
             _ => write!(f, "{missed} of {} bounds MISSED", self.checks.len()),
+        }?;
+        match self.unmeasured.len() {
+            0 => Ok(()),
+            open => write!(f, ", {open} not measured"),
         }
     }
 }
@@ -142,6 +157,18 @@ mod tests {
         assert_eq!(verdict.missed().map(|check| check.name.as_str()).collect::<Vec<_>>(), ["lost"]);
         let text = verdict.to_string();
         assert!(text.contains("MISSED") && text.contains("1 of 2 bounds"), "{text}");
+    }
+
+    #[test]
+    fn what_was_not_measured_is_named_and_neither_kept_nor_missed() {
+        let mut verdict = Verdict::default();
+        verdict.check("kept", 1.0, "%", Bound::AtMost(2.0));
+        verdict.leave_open("skipped", "ns", Bound::AtMost(150.0));
+        assert!(verdict.passes());
+        let text = verdict.to_string();
+        let line = text.lines().find(|line| line.contains("skipped")).unwrap_or_default();
+        assert!(line.contains("not measured") && line.contains("<= 150 ns") && !line.contains("ok"), "{text}");
+        assert!(text.ends_with("all 1 bounds kept, 1 not measured"), "{text}");
     }
 
     #[test]

@@ -434,6 +434,16 @@ fn a_start_that_is_saved_and_restored() {
         let counts = |report: &StepReport| (report.inside_solids, report.beside_solids, report.particles);
         assert_eq!(counts(&again), counts(&report), "{backend}");
         assert_eq!(first.snapshot().unwrap().positions, second.snapshot().unwrap().positions, "{backend}");
+        // Another plan before the first tick changes nothing of that, nor that it says no more what the particles are.
+        let bare = Plan { positions: Vec::new(), velocities: Vec::new(), ..Plan::new(&scene).unwrap() };
+        let (mut changed, mut exchanged) = (open(), backend.open(bare.clone(), None).unwrap());
+        changed.reconfigure(bare).unwrap();
+        exchanged.restore(&start).unwrap();
+        for (what, solver) in [("reconfigured", &mut changed), ("exchanged", &mut exchanged)] {
+            assert_eq!(counts(&solver.step(&input(0)).unwrap()), counts(&report), "{what}, {backend}");
+            assert_eq!(solver.snapshot().unwrap().ids, first.snapshot().unwrap().ids, "{what}, {backend}");
+            assert_eq!(counts(&solver.step(&input(1)).unwrap()), (0, 0, report.particles), "{what}, {backend}");
+        }
         // One saved later is none.
         third.restore(&first.snapshot().unwrap()).unwrap();
         assert_eq!(counts(&third.step(&input(1)).unwrap()), (0, 0, report.particles), "{backend}");

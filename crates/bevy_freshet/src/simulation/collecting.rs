@@ -42,7 +42,7 @@ fn wait_for_one(domain: Entity, state: &mut DomainState, stats: &mut FluidStats)
 fn absorb(domain: Entity, state: &mut DomainState, stats: &mut FluidStats, outcomes: Vec<Outcome>) {
     for outcome in outcomes {
         match outcome {
-            Outcome::Report(report, milliseconds) => take_report(state, stats, &report, milliseconds),
+            Outcome::Report(report, milliseconds) => take_report(domain, state, stats, &report, milliseconds),
             Outcome::Failed(error) => {
                 state.complain(Problem::new(domain, "FluidDomain", format!("the fluid stopped: {error}")));
                 state.stopped = true;
@@ -53,8 +53,24 @@ fn absorb(domain: Entity, state: &mut DomainState, stats: &mut FluidStats, outco
     }
 }
 
-fn take_report(state: &mut DomainState, stats: &mut FluidStats, report: &StepReport, milliseconds: f32) {
+fn take_report(
+    domain: Entity,
+    state: &mut DomainState,
+    stats: &mut FluidStats,
+    report: &StepReport,
+    milliseconds: f32,
+) {
     state.clock.hear(report);
+    let poured = state.pours.made_by(report.tick);
+    let (inside, beside) = (report.inside_solids, report.beside_solids);
+    if poured && inside + beside > 0 {
+        let message = format!(
+            "{} particles of its volumes are left out: {inside} have their centre inside a wall or a body, {beside} are nearer \
+             to one than half a spacing",
+            inside + beside
+        );
+        state.complain(Problem::new(domain, "FluidDomain", message));
+    }
     let removals = state.pours.learn(report);
     state.commands.extend(removals);
     while let Some(sent) = state.sent.pop_front() {

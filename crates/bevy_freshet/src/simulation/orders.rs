@@ -1,7 +1,7 @@
 //! What follows from a new plan: an engine is started, told, or exchanged; new particles are poured.
 
 use bevy::prelude::*;
-use freshet_core::plan::Plan;
+use freshet_core::plan::{LeftOut, Plan};
 use freshet_core::scene::MAX_PARTICLES;
 use freshet_core::snapshot::Snapshot;
 use freshet_core::step::Command;
@@ -28,6 +28,7 @@ pub(crate) fn carry_out(
     state.body_entities = recipe.bodies.iter().map(|(entity, _)| *entity).collect();
     state.emitters = recipe.sources.iter().map(|source| source.entity).collect();
     stats.notes.clone_from(&plan.notes);
+    state.problems.extend(left_out(&plan, recipe));
     let Some(old) = &state.plan else {
         state.engine = start(domain, backend, &plan, None, (state, stats), hardware);
         state.gravity = plan.parameters.gravity;
@@ -86,6 +87,28 @@ fn pour(domain: Entity, plan: &Plan, recipe: &Recipe, state: &mut DomainState, s
             state.commands.push(Command::Spawn(particles));
         }
     }
+}
+
+/// What of the volumes starts in walls, a problem for each pair of them.
+fn left_out(plan: &Plan, recipe: &Recipe) -> Vec<Problem> {
+    let asked = |volume: usize| {
+        let left_out = plan.left_out.iter().filter(|one| one.volume == volume);
+        plan.volume_ids[volume].1 + left_out.map(|one| one.inside + one.crowded).sum::<u32>()
+    };
+    let problem = |one: &LeftOut| {
+        let wall = &recipe.walls[one.boundary];
+        let message = format!(
+            "{} of {} particles are left out: {} have their centre inside the {} of entity {}, {} are nearer to it than half a spacing",
+            one.inside + one.crowded,
+            asked(one.volume),
+            one.inside,
+            wall.component,
+            wall.entity,
+            one.crowded
+        );
+        Problem::new(recipe.fresh[one.volume].entity, "FluidVolume", message)
+    };
+    plan.left_out.iter().map(problem).collect()
 }
 
 /// A plan as it is kept and compared: the particles of its start are with the solver, notes are for the user.

@@ -71,6 +71,12 @@ impl Pours {
         self.spawned.iter().map(|spawned| u64::from(spawned.count)).sum()
     }
 
+    /// Whether a tick that is not known has particles of volumes: those of the start, or poured into the fluid.
+    pub(crate) fn made_by(&self, tick: u64) -> bool {
+        let spawned = self.spawned.iter().take_while(|spawned| spawned.tick <= tick);
+        tick == 0 || spawned.into_iter().any(|spawned| spawned.owner.is_some())
+    }
+
     /// Learns the ids of a tick's particles; returns what removes those whose volume has gone meanwhile.
     pub(crate) fn learn(&mut self, report: &StepReport) -> Vec<Command> {
         let of_tick = self.spawned.iter().take_while(|spawned| spawned.tick <= report.tick).count();

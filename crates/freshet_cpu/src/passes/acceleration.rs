@@ -12,12 +12,14 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::morris1997::{self, Viscosity};
 use crate::candidates::Candidates;
-use crate::lanes::{ScaledRoot, Sums, divide, minus_quotient, squared_length, sum_vector};
+use crate::lanes::{ScaledRoot, divide, minus_quotient, squared_length, sum_vector};
 use crate::packed::Packed;
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
+use crate::tasks::Total;
 use crate::workers::Chunk;
+use crate::workspace::Workspace;
 
 /// What the acceleration of a chunk needs.
 #[derive(Clone, Copy)]
@@ -58,6 +60,8 @@ pub struct Task<'a> {
     pub inputs: Inputs<'a>,
     /// Cells and particles.
     pub chunk: &'a Chunk,
+    /// Memory of the thread.
+    pub workspace: &'a mut Workspace,
     /// Their candidates, as the density pass found them.
     pub candidates: &'a Candidates,
     /// Result, m/s2.
@@ -71,6 +75,15 @@ pub struct Maxima {
     pub speed_squared: f32,
     /// m2/s4.
     pub acceleration_squared: f32,
+}
+
+impl Total for Maxima {
+    fn and(self, other: Self) -> Self {
+        Self {
+            speed_squared: self.speed_squared.max(other.speed_squared),
+            acceleration_squared: self.acceleration_squared.max(other.acceleration_squared),
+        }
+    }
 }
 
 impl WithKernel for Task<'_> {
@@ -93,13 +106,13 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for T
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Maxima {
-        let Task { inputs, chunk, candidates, acceleration: [ax, ay, az] } = self.0;
+        let Task { inputs, chunk, workspace, candidates, acceleration: [ax, ay, az] } = self.0;
         let ([x, y, z], [vx, vy, vz]) = (&inputs.particles.position, &inputs.particles.velocity);
-        let mut calm = Packed::<4>::new(inputs.grid);
-        let mut dragging = Packed::<5>::new(inputs.grid);
-        let mut sticking = Packed::<7>::new(inputs.grid);
-        let mut viscous = Packed::<8>::new(inputs.grid);
-        let (mut sums, mut wall_sums) = (Sums::default(), Sums::default());
+        let Workspace { calm, dragging, sticking, viscous, sums, wall_sums, .. } = workspace;
+        calm.begin(inputs.grid);
+        dragging.begin(inputs.grid);
+        sticking.begin(inputs.grid);
+        viscous.begin(inputs.grid);
         let pairs = Pairs::new(simd, &inputs);
         let mut maxima = Maxima::default();
         let mut lists = candidates.lists();
@@ -117,15 +130,15 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for T
                 viscous.pack(simd, list, sources, at);
                 // Beside a physical viscosity the artificial one is a question once a pair instead of code of its own.
                 let is_artificial = ARTIFICIAL || inputs.viscosity > 0.0;
-                add_viscous_fluid::<S, K, PHYSICAL>(simd, pairs, own, &viscous, is_artificial, sums);
+                add_viscous_fluid::<S, K, PHYSICAL>(simd, pairs, own, viscous, is_artificial, sums);
             } else {
                 calm.pack(simd, list, [x, y, z, inputs.pressure_term], at);
-                add_fluid::<S, K>(simd, pairs, own, &calm, sums);
+                add_fluid::<S, K>(simd, pairs, own, calm, sums);
             }
             if inputs.near_pressure > 0.0 {
                 match ARTIFICIAL || PHYSICAL {
-                    true => add_near_pressure::<S, 8>(simd, pairs, own, &viscous, inputs.near_pressure, sums),
-                    false => add_near_pressure::<S, 4>(simd, pairs, own, &calm, inputs.near_pressure, sums),
+                    true => add_near_pressure::<S, 8>(simd, pairs, own, viscous, inputs.near_pressure, sums),
+                    false => add_near_pressure::<S, 4>(simd, pairs, own, calm, inputs.near_pressure, sums),
                 }
             }
             let stuck = if PHYSICAL { 7 * range.len() } else { 0 };
@@ -139,14 +152,14 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for T
                 if PHYSICAL && samples.drags() {
                     let [u, v, w] = samples.velocity();
                     sticking.pack(simd, list, [x, y, z, &samples.viscous_volume, u, v, w], at);
-                    morris1997::add_walls::<S, K>(simd, pairs, own, &sticking, wall_sums);
+                    morris1997::add_walls::<S, K>(simd, pairs, own, sticking, wall_sums);
                 }
                 if ARTIFICIAL && samples.drags() {
                     dragging.pack(simd, list, [x, y, z, &samples.volume, &samples.viscous_volume], at);
-                    add_viscous_samples::<S, K>(simd, pairs, own, &dragging, sums);
+                    add_viscous_samples::<S, K>(simd, pairs, own, dragging, sums);
                 } else {
                     calm.pack(simd, list, [x, y, z, &samples.volume], at);
-                    add_samples::<S, K>(simd, pairs, own, &calm, sums);
+                    add_samples::<S, K>(simd, pairs, own, calm, sums);
                 }
             }
             for (i, &sum) in range.clone().zip(&*sums) {

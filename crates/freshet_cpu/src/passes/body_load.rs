@@ -2,20 +2,22 @@
 //!
 //! Sample k feels `+ (1/G) m rho0 V_k sum_a P_a F x_ak`.
 
+use std::ops::Range;
+
 use freshet_core::grid::Grid;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::candidates::{Candidates, Near};
+use crate::candidates::Near;
 use crate::lanes::{ScaledRoot, squared_length, sum_vector};
 use crate::neighbours::Rows;
 use crate::packed::Packed;
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
+use crate::workspace::Workspace;
 
 /// Forces on samples.
-#[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// Instruction set.
     pub arch: Arch,
@@ -30,34 +32,36 @@ pub struct Task<'a> {
     /// Sorted samples of all bodies.
     pub samples: &'a SortedSamples,
     /// Slots of the samples to do.
-    pub slots: (usize, usize),
+    pub slots: Range<usize>,
+    /// Memory of the thread.
+    pub workspace: &'a mut Workspace,
+    /// Result: the force on each, N.
+    pub forces: &'a mut [Vec3],
     /// `m rho0 A / (G H^5)`.
     pub factor: f32,
 }
 
 impl WithKernel for Task<'_> {
-    type Output = Vec<Vec3>;
+    type Output = ();
 
-    fn with<K: SimdKernel>(self, _: K) -> Vec<Vec3> {
-        self.arch.dispatch(Typed::<K>(self, std::marker::PhantomData))
+    fn with<K: SimdKernel>(self, _: K) {
+        self.arch.dispatch(Typed::<K>(self, std::marker::PhantomData));
     }
 }
 
 struct Typed<'a, K>(Task<'a>, std::marker::PhantomData<K>);
 
 impl<K: SimdKernel> WithSimd for Typed<'_, K> {
-    type Output = Vec<Vec3>;
+    type Output = ();
 
-    /// Force on each sample, N.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Vec<Vec3> {
+    fn with_simd<S: Simd>(self, simd: S) {
         let task = self.0;
         let [x, y, z] = &task.particles.position;
-        let mut candidates = Candidates::default();
-        let mut fluid = Packed::<4>::new(task.grid);
+        let Workspace { candidates, calm: fluid, .. } = task.workspace;
+        fluid.begin(task.grid);
         let mut packed_cell = None;
-        let mut forces = Vec::with_capacity(task.slots.1 - task.slots.0);
-        for slot in task.slots.0..task.slots.1 {
+        for (slot, force) in task.slots.zip(task.forces) {
             let at = task.samples.position_of(slot);
             let cell = task.grid.index(task.grid.coordinates(at)) as usize;
             if packed_cell != Some(cell) {
@@ -70,10 +74,9 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
                 fluid.pack(simd, list, [x, y, z, task.pressure_term], at.x);
                 packed_cell = Some(cell);
             }
-            let sum = sum_around::<S, K>(simd, &fluid, at, 1.0 / task.grid.cell_size);
-            forces.push(task.factor * task.samples.volume[slot] * sum);
+            let sum = sum_around::<S, K>(simd, fluid, at, 1.0 / task.grid.cell_size);
+            *force = task.factor * task.samples.volume[slot] * sum;
         }
-        forces
     }
 }
 

@@ -5,13 +5,15 @@ use freshet_core::grid::Grid;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::candidates::{Candidates, Near};
-use crate::lanes::{ScaledRoot, Sums, squared_length};
+use crate::lanes::{ScaledRoot, squared_length};
 use crate::neighbours::Rows;
 use crate::packed::Packed;
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
+use crate::tasks::Total;
 use crate::workers::Chunk;
+use crate::workspace::Workspace;
 
 /// What the density of a chunk needs.
 #[derive(Clone, Copy)]
@@ -42,6 +44,8 @@ pub struct Task<'a> {
     pub inputs: Inputs<'a>,
     /// Cells and particles.
     pub chunk: &'a Chunk,
+    /// Memory of the thread.
+    pub workspace: &'a mut Workspace,
     /// Result: for each cell that has particles a list of particles, then one of each kind of samples.
     pub candidates: &'a mut Candidates,
     /// Result, kg/m3.
@@ -59,6 +63,12 @@ pub struct Compression {
     pub sum: u64,
 }
 
+impl Total for Compression {
+    fn and(self, other: Self) -> Self {
+        Self { largest: self.largest.max(other.largest), sum: self.sum + other.sum }
+    }
+}
+
 impl WithKernel for Task<'_> {
     type Output = Compression;
 
@@ -74,11 +84,11 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Compression {
-        let Task { inputs, chunk, candidates, density, pressure_term } = self.0;
+        let Task { inputs, chunk, workspace, candidates, density, pressure_term } = self.0;
         let [x, y, z] = &inputs.particles.position;
-        let mut fluid = Packed::<3>::new(inputs.grid);
-        let mut weighted = Packed::<4>::new(inputs.grid);
-        let mut sums = Sums::default();
+        let Workspace { places: fluid, calm: weighted, sums, .. } = workspace;
+        fluid.begin(inputs.grid);
+        weighted.begin(inputs.grid);
         let pairs = Pairs::new(simd, &inputs);
         candidates.begin(inputs.grid);
         for cell in chunk.cells.clone() {
@@ -92,14 +102,14 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
             let rows = Rows::around(inputs.grid, inputs.starts, cell);
             let list = candidates.add(simd, &rows, &near, [x, y, z]);
             fluid.pack(simd, list, [x, y, z], own[0][0]);
-            add_fluid::<S, K>(simd, pairs, own, &fluid, sums);
+            add_fluid::<S, K>(simd, pairs, own, fluid, sums);
             for samples in inputs.samples {
                 let rows = Rows::around(inputs.grid, &samples.starts, cell);
                 let [x, y, z] = &samples.position;
                 let list = candidates.add(simd, &rows, &near, [x, y, z]);
                 if !list.is_empty() {
                     weighted.pack(simd, list, [x, y, z, &samples.volume], own[0][0]);
-                    add_samples::<S, K>(simd, pairs, own, &weighted, sums);
+                    add_samples::<S, K>(simd, pairs, own, weighted, sums);
                 }
             }
             let first = range.start - chunk.particles.start;

@@ -4,7 +4,8 @@
 use freshet_core::periodic::Periodic;
 
 use crate::particles::Particles;
-use crate::workers::{Chunk, Workers, split};
+use crate::tasks::Tasks;
+use crate::workers::{Chunk, Workers};
 
 /// Moves all particles over `dt` seconds.
 pub fn integrate(
@@ -17,15 +18,11 @@ pub fn integrate(
     dt: f32,
 ) {
     // All axes of a chunk together: the thread that computed its accelerations most likely still holds them.
-    let mut tasks: Vec<_> = chunks.iter().map(|chunk| (chunk, Vec::with_capacity(3))).collect();
-    for (positions, velocities) in particles.position.iter_mut().zip(&mut particles.velocity) {
-        let parts = split(positions, chunks).into_iter().zip(split(velocities, chunks));
-        for ((_, axes), part) in tasks.iter_mut().zip(parts) {
-            axes.push(part);
-        }
-    }
-    workers.map(tasks, |(chunk, axes)| {
-        for (axis, (position, velocity)) in axes.into_iter().enumerate() {
+    let positions = particles.position.each_mut().map(Vec::as_mut_slice);
+    let velocities = particles.velocity.each_mut().map(Vec::as_mut_slice);
+    let tasks = Tasks::new(chunks, (), (positions, velocities));
+    workers.share(tasks, |(chunk, (), (positions, velocities))| {
+        for (axis, (position, velocity)) in positions.into_iter().zip(velocities).enumerate() {
             let acceleration = &acceleration[axis][chunk.particles.clone()];
             for ((a, x), v) in acceleration.iter().zip(&mut *position).zip(velocity) {
                 *v += a * dt;

@@ -1,14 +1,15 @@
 //! Stage `sort`: particles by cell, by id within a cell; the retired and the removed fall out.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use freshet_core::grid::Grid;
 use glam::{UVec3, Vec3};
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::lanes::PADDING;
 use crate::particles::Particles;
-use crate::workers::{Chunk, Workers, chunks, split};
+use crate::tasks::{Tasks, Total};
+use crate::workers::{Chunk, Workers, cut_into_chunks};
 
 /// Memory of the sort, kept between substeps.
 #[derive(Default)]
@@ -17,6 +18,8 @@ pub struct Sorter {
     pub starts: Vec<u32>,
     /// Runs of cells that share the work of the next passes.
     pub chunks: Vec<Chunk>,
+    /// Particles of each histogram.
+    blocks: Vec<Range<usize>>,
     keys: Vec<u32>,
     order: Vec<AtomicU32>,
     cursors: Vec<Vec<u32>>,
@@ -29,6 +32,12 @@ pub struct Dropped {
     pub retired: u32,
     /// They were not finite or out of bounds.
     pub removed: u32,
+}
+
+impl Total for Dropped {
+    fn and(self, other: Self) -> Self {
+        Self { retired: self.retired + other.retired, removed: self.removed + other.removed }
+    }
 }
 
 /// Bounds and grid, as the keys need them.
@@ -136,20 +145,16 @@ impl Sorter {
     ) -> Dropped {
         let cells = grid.cells() as usize;
         let rule = KeyRule::new(grid, bounds);
-        let blocks = if grid.periodic.any() {
+        let dropped = if grid.periodic.any() {
             self.count::<true>(workers, arch, &rule, particles)
         } else {
             self.count::<false>(workers, arch, &rule, particles)
         };
-        let dropped = blocks.iter().fold(Dropped::default(), |sum, block| Dropped {
-            retired: sum.retired + block.retired,
-            removed: sum.removed + block.removed,
-        });
         self.scan(cells);
-        self.scatter(workers, particles.len);
+        self.scatter(workers);
         let live = self.starts[cells] as usize;
         let [least, most] = CHUNKS_PER_THREAD.map(|chunks| chunks * workers.active());
-        self.chunks = chunks(&self.starts, (live / CHUNK_PARTICLES).clamp(least, most));
+        cut_into_chunks(&mut self.chunks, &self.starts, (live / CHUNK_PARTICLES).clamp(least, most));
         scratch.resize(live);
         self.reorder(workers, particles, scratch);
         std::mem::swap(particles, scratch);
@@ -159,7 +164,9 @@ impl Sorter {
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
         let cursors: usize = self.cursors.iter().map(Vec::capacity).sum();
-        let lists = size_of::<Chunk>() * self.chunks.capacity() + size_of::<Vec<u32>>() * self.cursors.capacity();
+        let lists = size_of::<Chunk>() * self.chunks.capacity()
+            + size_of::<Range<usize>>() * self.blocks.capacity()
+            + size_of::<Vec<u32>>() * self.cursors.capacity();
         let numbers = self.starts.capacity() + self.keys.capacity() + self.order.capacity() + cursors;
         (4 * numbers + lists) as u64
     }
@@ -171,25 +178,23 @@ impl Sorter {
         arch: Arch,
         rule: &KeyRule,
         particles: &Particles,
-    ) -> Vec<Dropped> {
+    ) -> Dropped {
         let blocks = workers.active().min(16);
         let size = particles.len.div_ceil(blocks).max(1);
         self.keys.resize(particles.len, 0);
         self.cursors.resize_with(blocks, Vec::new);
         self.order.resize_with(particles.len, AtomicU32::default);
-        let mut tasks = Vec::with_capacity(blocks);
-        let mut keys = self.keys.chunks_mut(size);
-        for (block, histogram) in self.cursors.iter_mut().enumerate() {
-            tasks.push((block * size, keys.next().unwrap_or(&mut []), histogram));
-        }
-        workers.map(tasks, |(first, keys, histogram)| {
-            let range = first.min(particles.len)..first.min(particles.len) + keys.len();
+        self.blocks.clear();
+        let end = |block: usize| (block * size).min(particles.len);
+        self.blocks.extend((0..blocks).map(|block| end(block)..end(block + 1)));
+        let tasks = Tasks::new(&self.blocks, &mut *self.cursors, &mut *self.keys);
+        workers.share(tasks, |(range, histogram, keys)| {
             let (position, velocity) = (&particles.position, &particles.velocity);
             let dropped = arch.dispatch(Keys::<PERIODIC> {
                 rule,
                 position: [0, 1, 2].map(|axis| &position[axis][range.clone()]),
                 velocity: [0, 1, 2].map(|axis| &velocity[axis][range.clone()]),
-                life: &particles.life[range],
+                life: &particles.life[range.clone()],
                 keys,
             });
             histogram.clear();
@@ -225,18 +230,12 @@ impl Sorter {
     }
 
     /// Writes the index of each particle to its slot; slots of different blocks differ.
-    fn scatter(&mut self, workers: &Workers, len: usize) {
-        let size = len.div_ceil(self.cursors.len()).max(1);
-        let order = &self.order;
-        let mut keys = self.keys.chunks(size);
-        let mut tasks = Vec::with_capacity(self.cursors.len());
-        for (block, cursors) in self.cursors.iter_mut().enumerate() {
-            tasks.push((block * size, keys.next().unwrap_or(&[]), cursors));
-        }
-        workers.map(tasks, |(first, keys, cursors)| {
-            for (offset, &key) in keys.iter().enumerate() {
+    fn scatter(&mut self, workers: &Workers) {
+        let (keys, order) = (&self.keys, &self.order);
+        workers.share(Tasks::new(&self.blocks, &mut *self.cursors, ()), |(block, cursors, ())| {
+            for (i, &key) in block.clone().zip(&keys[block.clone()]) {
                 let cursor = &mut cursors[key as usize];
-                order[*cursor as usize].store((first + offset) as u32, Relaxed);
+                order[*cursor as usize].store(i as u32, Relaxed);
                 *cursor += 1;
             }
         });
@@ -244,60 +243,44 @@ impl Sorter {
 
     /// Copies particles to their slots, each cell in the order of ids.
     fn reorder(&mut self, workers: &Workers, from: &Particles, to: &mut Particles) {
-        let (starts, order) = (&self.starts, &self.order);
-        let live = to.len;
-        let Particles { id, position, velocity, life, .. } = to;
-        let [px, py, pz] = position;
-        let [vx, vy, vz] = velocity;
-        let mut parts: Vec<_> = [px, py, pz, vx, vy, vz, life]
-            .map(|values| split(&mut values[..live + PADDING], &self.chunks).into_iter())
-            .into();
-        let ids = split(id, &self.chunks);
-        let mut tasks = Vec::with_capacity(ids.len());
-        for (chunk, ids) in self.chunks.iter().zip(ids) {
-            let reals: Vec<&mut [f32]> = parts.iter_mut().filter_map(Iterator::next).collect();
-            tasks.push((chunk.clone(), ids, reals));
-        }
-        let sources: [&[f32]; 7] = [
-            &from.position[0],
-            &from.position[1],
-            &from.position[2],
-            &from.velocity[0],
-            &from.velocity[1],
-            &from.velocity[2],
-            &from.life,
-        ];
-        workers.map(tasks, |(chunk, ids, mut reals)| {
+        let starts = &self.starts;
+        let Particles { id, position: [x, y, z], velocity: [u, v, w], life, .. } = to;
+        let reals = [x, y, z, u, v, w, life].map(Vec::as_mut_slice);
+        let [x, y, z] = &from.position;
+        let [u, v, w] = &from.velocity;
+        let sources = [x, y, z, u, v, w, &from.life].map(Vec::as_slice);
+        let tasks = Tasks::new(&self.chunks, (), (&mut **id, &mut *self.order, reals));
+        workers.share(tasks, |(chunk, (), (ids, order, reals))| {
+            for (id, slot) in ids.iter_mut().zip(&mut *order) {
+                *id = from.id[*slot.get_mut() as usize];
+            }
             let base = chunk.particles.start;
-            let mut sorted: Vec<(u32, u32)> = order[chunk.particles]
-                .iter()
-                .map(|slot| slot.load(Relaxed))
-                .map(|i| (from.id[i as usize], i))
-                .collect();
-            for cell in chunk.cells {
-                sort_short(&mut sorted[starts[cell] as usize - base..starts[cell + 1] as usize - base]);
+            for cell in chunk.cells.clone() {
+                let range = starts[cell] as usize - base..starts[cell + 1] as usize - base;
+                sort_short(&mut ids[range.clone()], &mut order[range], &from.id);
             }
-            for (target, &(id, _)) in ids.iter_mut().zip(&sorted) {
-                *target = id;
-            }
-            for (target, source) in reals.iter_mut().zip(sources) {
-                for (value, &(_, i)) in target.iter_mut().zip(&sorted) {
-                    *value = source[i as usize];
+            for (target, source) in reals.into_iter().zip(sources) {
+                for (value, slot) in target.iter_mut().zip(&mut *order) {
+                    *value = source[*slot.get_mut() as usize];
                 }
             }
         });
     }
 }
 
-/// Sorts by id; cells are short and nearly sorted, so insertion wins.
-fn sort_short(slots: &mut [(u32, u32)]) {
-    if slots.len() > 64 {
-        slots.sort_unstable();
+/// Sorts slots and the ids of what is in them by id; cells are short and nearly sorted, so insertion wins.
+fn sort_short(ids: &mut [u32], slots: &mut [AtomicU32], id_of: &[u32]) {
+    if ids.len() > 64 {
+        slots.sort_unstable_by_key(|slot| id_of[slot.load(Relaxed) as usize]);
+        for (id, slot) in ids.iter_mut().zip(slots) {
+            *id = id_of[*slot.get_mut() as usize];
+        }
         return;
     }
-    for end in 1..slots.len() {
+    for end in 1..ids.len() {
         let mut at = end;
-        while at > 0 && slots[at - 1].0 > slots[at].0 {
+        while at > 0 && ids[at - 1] > ids[at] {
+            ids.swap(at - 1, at);
             slots.swap(at - 1, at);
             at -= 1;
         }

@@ -14,7 +14,7 @@ use crate::passes::sort::Dropped;
 use crate::passes::{acceleration, body_load, density, integrate};
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
-use crate::workers::split;
+use crate::tasks::Tasks;
 
 impl CpuSolver {
     /// Sorts the particles by cell, then id; what is dead or broken falls out.
@@ -34,42 +34,26 @@ impl CpuSolver {
     pub(super) fn density_stage(&mut self) -> Compression {
         let parameters = &self.plan.parameters;
         let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
-        let samples: Vec<&SortedSamples> =
-            [&self.walls, &self.body_samples.sorted].into_iter().filter(|samples| !samples.is_empty()).collect();
+        let samples = [&self.walls, &self.body_samples.sorted];
         let inputs = density::Inputs {
             arch: self.arch,
             grid: &self.plan.grid,
             starts: &self.sorter.starts,
             particles: &self.particles,
-            samples: &samples,
+            samples: those_with_samples(&samples),
             fluid_factor: parameters.particle_mass * scale,
             sample_factor: parameters.rest_density * scale,
             law: parameters.pressure_law,
             rest_density: parameters.rest_density,
         };
-        let live = self.particles.len;
-        self.candidates.resize_with(self.sorter.chunks.len(), Candidates::default);
-        let densities = split(&mut self.density[..live], &self.sorter.chunks);
-        let terms = split(&mut self.pressure_term[..live], &self.sorter.chunks);
-        let tasks: Vec<_> = self
-            .sorter
-            .chunks
-            .iter()
-            .zip(&mut self.candidates)
-            .zip(densities.into_iter().zip(terms))
-            .map(|((chunk, candidates), (density, pressure_term))| density::Task {
-                inputs,
-                chunk,
-                candidates,
-                density,
-                pressure_term,
-            })
-            .collect();
-        let kernel = parameters.kernel;
-        let parts = self.workers.map(tasks, |task| dispatch(kernel, task));
-        parts.iter().fold(Compression { largest: -1.0, sum: 0 }, |sum, part| Compression {
-            largest: sum.largest.max(part.largest),
-            sum: sum.sum + part.sum,
+        // The number of chunks varies by a few: lists that are left over wait for the next substep.
+        let lists = self.candidates.len().max(self.sorter.chunks.len());
+        self.candidates.resize_with(lists, Candidates::default);
+        let results = [&mut *self.density, &mut *self.pressure_term];
+        let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, results)| {
+            let [density, pressure_term] = results;
+            dispatch(parameters.kernel, density::Task { inputs, chunk, workspace, candidates, density, pressure_term })
         })
     }
 
@@ -77,15 +61,14 @@ impl CpuSolver {
     pub(super) fn acceleration_stage(&mut self) -> Maxima {
         let parameters = &self.plan.parameters;
         let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
-        let samples: Vec<&SortedSamples> =
-            [&self.walls, &self.body_samples.sorted].into_iter().filter(|samples| !samples.is_empty()).collect();
+        let samples = [&self.walls, &self.body_samples.sorted];
         let h = parameters.smoothing_length;
         let inputs = acceleration::Inputs {
             arch: self.arch,
             grid: &self.plan.grid,
             starts: &self.sorter.starts,
             particles: &self.particles,
-            samples: &samples,
+            samples: those_with_samples(&samples),
             density: &self.density,
             pressure_term: &self.pressure_term,
             fluid_factor: -parameters.particle_mass * scale,
@@ -103,70 +86,61 @@ impl CpuSolver {
             softening: 0.01 * h * h,
             gravity: self.gravity,
         };
-        let live = self.particles.len;
-        let [x, y, z] = &mut self.acceleration;
-        let [x, y, z] = [x, y, z].map(|values| split(&mut values[..live], &self.sorter.chunks).into_iter());
-        let tasks: Vec<_> = self
-            .sorter
-            .chunks
-            .iter()
-            .zip(&self.candidates)
-            .zip(x.zip(y).zip(z))
-            .map(|((chunk, candidates), ((x, y), z))| acceleration::Task {
-                inputs,
-                chunk,
-                candidates,
-                acceleration: [x, y, z],
-            })
-            .collect();
-        let kernel = parameters.kernel;
-        let parts = self.workers.map(tasks, |task| dispatch(kernel, task));
-        parts.iter().fold(Maxima::default(), |largest, part| Maxima {
-            speed_squared: largest.speed_squared.max(part.speed_squared),
-            acceleration_squared: largest.acceleration_squared.max(part.acceleration_squared),
+        let results = self.acceleration.each_mut().map(Vec::as_mut_slice);
+        let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, acceleration)| {
+            dispatch(parameters.kernel, acceleration::Task { inputs, chunk, workspace, candidates, acceleration })
         })
     }
 
-    /// Force (N) and torque about the centre of mass (N m) of the fluid on each body.
-    pub(super) fn body_load_stage(&mut self) -> Vec<(Vec3, Vec3)> {
+    /// Force (N) and torque about the centre of mass (N m) of the fluid on each body, in the order of the bodies.
+    pub(super) fn body_load_stage(&mut self) {
         let parameters = &self.plan.parameters;
         let samples = &self.body_samples.sorted;
         let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
         let factor = parameters.particle_mass * parameters.rest_density * scale;
         let count = samples.len();
-        let tasks: Vec<_> = (0..count)
-            .step_by(64)
-            .map(|first| body_load::Task {
-                arch: self.arch,
-                grid: &self.plan.grid,
-                starts: &self.sorter.starts,
-                particles: &self.particles,
-                pressure_term: &self.pressure_term,
-                samples,
-                slots: (first, (first + 64).min(count)),
-                factor,
-            })
-            .collect();
-        let kernel = parameters.kernel;
-        let mut forces = vec![Vec3::ZERO; count];
-        let parts = self.workers.map(tasks, |task| dispatch(kernel, task));
-        for (&source, force) in samples.source.iter().zip(parts.into_iter().flatten()) {
-            forces[source as usize] = force;
+        self.slots.clear();
+        self.slots.extend((0..count).step_by(64).map(|first| first..(first + 64).min(count)));
+        self.sorted_forces.resize(count, Vec3::ZERO);
+        self.forces.resize(count, Vec3::ZERO);
+        let (arch, grid) = (self.arch, &self.plan.grid);
+        let (starts, particles, pressure_term) = (&self.sorter.starts, &self.particles, &self.pressure_term);
+        let tasks = Tasks::new(&self.slots, (), &mut *self.sorted_forces);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (slots, (), forces)| {
+            let slots = slots.clone();
+            dispatch(
+                parameters.kernel,
+                body_load::Task {
+                    arch,
+                    grid,
+                    starts,
+                    particles,
+                    pressure_term,
+                    samples,
+                    slots,
+                    workspace,
+                    forces,
+                    factor,
+                },
+            );
+        });
+        for (&source, &force) in samples.source.iter().zip(&self.sorted_forces) {
+            self.forces[source as usize] = force;
         }
         // Summed in the samples' own order and in double precision: independent of threads and sorting.
         let mut first = 0;
-        let mut loads = Vec::with_capacity(self.bodies.len());
+        self.loads.clear();
         for (planned, body) in self.plan.bodies.iter().zip(&self.bodies) {
             let range = first..first + planned.samples.len();
             first = range.end;
             let (mut force, mut torque) = (glam::DVec3::ZERO, glam::DVec3::ZERO);
-            for (on_sample, at) in forces[range.clone()].iter().zip(&self.body_samples.positions()[range]) {
+            for (on_sample, at) in self.forces[range.clone()].iter().zip(&self.body_samples.positions()[range]) {
                 force += on_sample.as_dvec3();
                 torque += (*at - body.position).cross(*on_sample).as_dvec3();
             }
-            loads.push((force.as_vec3(), torque.as_vec3()));
+            self.loads.push((force.as_vec3(), torque.as_vec3()));
         }
-        loads
     }
 
     /// Moves all particles over `dt` seconds.
@@ -175,6 +149,12 @@ impl CpuSolver {
         let (particles, accelerations) = (&mut self.particles, &self.acceleration);
         integrate::integrate(&self.workers, chunks, particles, accelerations, periodic, self.mortal, dt);
     }
+}
+
+/// Walls, bodies, both or neither.
+fn those_with_samples<'a, 'b>(all: &'b [&'a SortedSamples; 2]) -> &'b [&'a SortedSamples] {
+    let [walls, bodies] = all;
+    &all[usize::from(walls.is_empty())..2 - usize::from(bodies.is_empty())]
 }
 
 /// `A / H^power`, the constant of a kernel's value (3) or of its derivative over r (5).

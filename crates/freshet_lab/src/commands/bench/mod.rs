@@ -6,6 +6,7 @@ mod configuration;
 mod report;
 mod scene;
 mod simulate;
+mod tables;
 
 use std::thread::available_parallelism;
 use std::time::Instant;
@@ -203,9 +204,9 @@ pub fn run(args: &BenchArgs) -> Result<Verdict, LabError> {
         return Err(LabError::Argument { argument: "--budget", reason });
     }
     report::write(&output, &results)?;
-    report::print(&results);
+    tables::print(&results);
     say_files(&output, &report::FILES);
-    Ok(verdict(&results.runs, quick))
+    Ok(verdict(&results.runs, &results.skipped, quick))
 }
 
 /// Those of a group that fit together.

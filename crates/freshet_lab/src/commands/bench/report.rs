@@ -1,13 +1,14 @@
-//! Tables, CSV and chart of the benchmark.
+//! CSV and chart of the benchmark.
 
+use super::simulate::OPENING;
+use super::tables::{pass, pass_names, plural_threads, shown};
 use super::{BenchScene, Configuration, Run, Skipped, nanoseconds, opening_nanoseconds, over, threads_of};
 use crate::backend::Backend;
 use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::error::LabError;
 use crate::measure::machine::{Rates, processor_name};
-use crate::output::{Csv, Output, say};
+use crate::output::{Csv, Output};
 use crate::reference::published_time::PublishedTime;
-use crate::table::Table;
 
 /// A row a run; nanoseconds over size.
 pub const FILES: [&str; 2] = ["bench.csv", "bench.svg"];
@@ -25,7 +26,7 @@ pub struct Results {
 
 impl Results {
     /// Everything that ran, by scene and size.
-    fn configurations(&self) -> Vec<Configuration> {
+    pub(super) fn configurations(&self) -> Vec<Configuration> {
         let mut configurations: Vec<Configuration> = Vec::new();
         for run in &self.runs {
             if !configurations.contains(&run.configuration) {
@@ -37,11 +38,11 @@ impl Results {
         configurations
     }
 
-    fn over(&self, configuration: &Configuration, value: impl Fn(&Run) -> f64) -> (f64, f64, f64) {
+    pub(super) fn over(&self, configuration: &Configuration, value: impl Fn(&Run) -> f64) -> (f64, f64, f64) {
         over(&self.runs, configuration, value)
     }
 
-    fn median(&self, configuration: &Configuration, value: impl Fn(&Run) -> f64) -> f64 {
+    pub(super) fn median(&self, configuration: &Configuration, value: impl Fn(&Run) -> f64) -> f64 {
         self.over(configuration, value).0
     }
 
@@ -52,13 +53,13 @@ impl Results {
     }
 
     /// Arithmetic per second over the machine's, as a fraction; not a number where there is nothing to compare with.
-    fn of_operations(&self, run: &Run) -> f64 {
+    pub(super) fn of_operations(&self, run: &Run) -> f64 {
         let rate = self.rates_of(run).map_or(f64::NAN, |rates| rates.operations);
         run.operations / nanoseconds(run) * 1e9 / rate
     }
 
     /// Bytes per second over the machine's, as a fraction; not a number where there is nothing to compare with.
-    fn of_copies(&self, run: &Run) -> f64 {
+    pub(super) fn of_copies(&self, run: &Run) -> f64 {
         let rate = self.rates_of(run).map_or(f64::NAN, |rates| rates.copied_bytes);
         run.moved_bytes / nanoseconds(run) * 1e9 / rate
     }
@@ -69,215 +70,6 @@ pub fn write(output: &Output, results: &Results) -> Result<(), LabError> {
     output.write(FILES[0], csv(results).text())?;
     chart::draw(output, FILES[1], &chart(results))?;
     Ok(())
-}
-
-/// Names of all passes, in the order they were first seen.
-fn pass_names<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for (name, _) in runs.into_iter().flat_map(|run| &run.account.passes) {
-        if !names.contains(name) {
-            names.push(name.clone());
-        }
-    }
-    names
-}
-
-fn pass(run: &Run, name: &str) -> f64 {
-    run.account.nanoseconds_of_passes().find(|pass| pass.0 == name).map_or(f64::NAN, |pass| pass.1)
-}
-
-/// Prints the tables: machine, cost, passes, work, flow, what others published, what was left out.
-pub fn print(results: &Results) {
-    say(machine(results));
-    say(cost(results));
-    for backend in [Backend::Cpu, Backend::Gpu] {
-        if let Some(table) = passes(results, backend) {
-            say(table);
-        }
-    }
-    say(work(results));
-    say(flow(results));
-    if results.configurations().iter().any(|configuration| !configuration.scene.published().is_empty()) {
-        say(published(results));
-    }
-    for skipped in &results.skipped {
-        say(format_args!("skipped: {skipped}"));
-    }
-    say("nothing was drawn: these are times of the simulation alone");
-}
-
-fn machine(results: &Results) -> Table {
-    let mut table = Table::new([format!("machine: {}", processor_name()), "copies GB/s".into(), "Gflop/s".into()]);
-    for rates in &results.rates {
-        table.row([
-            plural_threads(rates.threads),
-            format!("{:.1}", rates.copied_bytes / 1e9),
-            format!("{:.1}", rates.operations / 1e9),
-        ]);
-    }
-    table
-}
-
-fn plural_threads(threads: usize) -> String {
-    if threads == 1 { "1 thread".to_owned() } else { format!("{threads} threads") }
-}
-
-/// A number with some decimals; nothing where there is none.
-fn shown(value: f64, decimals: usize) -> String {
-    if value.is_nan() { String::new() } else { format!("{value:.decimals$}") }
-}
-
-fn cost(results: &Results) -> Table {
-    let mut table = Table::new([
-        "cost",
-        "ns/(p step)",
-        "least",
-        "most",
-        "first 0.1 s",
-        "M p steps/s",
-        "s/s",
-        "of 1 thread",
-        "B/particle",
-        "MiB in all",
-    ]);
-    for configuration in &results.configurations() {
-        let (middle, least, most) = results.over(configuration, nanoseconds);
-        let single = Configuration { threads: Some(1), ..*configuration };
-        let scaling = results.median(&single, nanoseconds) / middle;
-        table.row([
-            configuration.to_string(),
-            shown(middle, 1),
-            shown(least, 1),
-            shown(most, 1),
-            shown(results.median(configuration, opening_nanoseconds), 1),
-            shown(1e3 / middle, 2),
-            shown(results.median(configuration, |run| run.account.wall_per_simulated()), 2),
-            if scaling.is_nan() { String::new() } else { format!("{scaling:.2} x") },
-            shown(results.median(configuration, |run| run.bytes_per_particle), 0),
-            shown(results.median(configuration, |run| run.bytes as f64) / f64::from(1 << 20), 2),
-        ]);
-    }
-    table
-}
-
-/// Of one backend, as their passes have different names; none if it did not run.
-fn passes(results: &Results, backend: Backend) -> Option<Table> {
-    let configurations = results.configurations();
-    let mut of_backend = configurations.iter().filter(|configuration| configuration.backend == backend).peekable();
-    of_backend.peek()?;
-    let names = pass_names(results.runs.iter().filter(|run| run.configuration.backend == backend));
-    let head = ["passes, ns/(p step)".to_owned()].into_iter().chain(names.iter().cloned());
-    let mut table = Table::new(head.chain(["the rest".to_owned()]));
-    for configuration in of_backend {
-        let times: Vec<f64> = names.iter().map(|name| results.median(configuration, |run| pass(run, name))).collect();
-        let known: f64 = times.iter().filter(|time| !time.is_nan()).sum();
-        let rest = results.median(configuration, nanoseconds) - known;
-        let cells = times.into_iter().chain([rest]).map(|time| shown(time, 1));
-        table.row([configuration.to_string()].into_iter().chain(cells));
-    }
-    Some(table)
-}
-
-fn work(results: &Results) -> Table {
-    let mut table = Table::new([
-        "work, counted",
-        "flop/(p step)",
-        "Gflop/s",
-        "% of multiply-adds",
-        "B/(p step)",
-        "GB/s",
-        "% of copies",
-        "on",
-    ]);
-    for configuration in &results.configurations() {
-        let Some(run) = results.runs.iter().find(|run| run.configuration == *configuration) else { continue };
-        let time = results.median(configuration, nanoseconds);
-        table.row([
-            configuration.to_string(),
-            shown(run.operations, 0),
-            shown(run.operations / time, 2),
-            shown(results.median(configuration, |run| results.of_operations(run)) * 100.0, 1),
-            shown(run.moved_bytes, 0),
-            shown(run.moved_bytes / time, 2),
-            shown(results.median(configuration, |run| results.of_copies(run)) * 100.0, 1),
-            if run.hardware.is_processor { String::new() } else { format!("{}: not compared", run.hardware.name) },
-        ]);
-    }
-    table
-}
-
-fn flow(results: &Results) -> Table {
-    let mut table = Table::new([
-        "flow",
-        "particles",
-        "s",
-        "steps",
-        "mean dt ms",
-        "least dt ms",
-        "compr. %",
-        "worst mean %",
-        "time scale",
-        "front at 0.1, 0.2... s (m)",
-    ]);
-    for configuration in &results.configurations() {
-        let Some(run) = results.runs.iter().find(|run| run.configuration == *configuration) else { continue };
-        let fronts: Vec<String> = run.front.iter().map(|front| format!("{front:.3}")).collect();
-        table.row([
-            configuration.to_string(),
-            run.particles.to_string(),
-            format!("{:.3}", run.account.simulated),
-            run.account.substeps.to_string(),
-            format!("{:.4}", run.account.mean_substep() * 1e3),
-            format!("{:.4}", run.account.smallest_substep * 1e3),
-            format!("{:.3}", run.account.compression * 100.0),
-            format!("{:.3}", run.account.worst_mean_compression * 100.0),
-            format!("{:.3}", run.account.time_scale),
-            fronts.join(" "),
-        ]);
-    }
-    table
-}
-
-/// Each size of a thesis: its figures, then ours.
-fn published(results: &Results) -> Table {
-    let mut table = Table::new(["a step elsewhere and here", "particles", "ms", "ns/(p step)", "from"]);
-    let configurations = results.configurations();
-    for scene in BenchScene::ALL {
-        let ours = configurations.iter().filter(|configuration| configuration.scene == scene);
-        let mut sizes: Vec<u32> = ours.map(|configuration| configuration.particles).collect();
-        sizes.dedup();
-        for size in sizes {
-            let times: Vec<&PublishedTime> = scene.published().iter().filter(|time| time.particles == size).collect();
-            for time in &times {
-                table.row([
-                    format!("{}: {}", scene.name(), time.hardware),
-                    size.to_string(),
-                    format!("{:.2}", time.milliseconds),
-                    format!("{:.1}", time.nanoseconds()),
-                    time.source.to_owned(),
-                ]);
-            }
-            if times.is_empty() && !scene.published().is_empty() {
-                table.row([format!("{}: no figure in numbers", scene.name()), size.to_string()]);
-            }
-            for run in results.runs.iter().filter(|run| {
-                run.repeat == 1 && run.configuration.scene == scene && run.configuration.particles == size
-            }) {
-                if scene.published().is_empty() {
-                    continue;
-                }
-                let time = results.median(&run.configuration, nanoseconds);
-                table.row([
-                    format!("{}: Freshet, {}", scene.name(), run.configuration.solver()),
-                    run.particles.to_string(),
-                    format!("{:.2}", time * run.particles as f64 / 1e6),
-                    format!("{time:.1}"),
-                    run.hardware.name.clone(),
-                ]);
-            }
-        }
-    }
-    table
 }
 
 /// Explains the columns of the CSV that do not explain themselves.
@@ -433,7 +225,7 @@ fn panel(results: &Results, configurations: &[Configuration], scene: BenchScene)
     let points = || series.iter().flat_map(|series| &series.points);
     let (x, y) = (ends(&mut points().map(|point| point.0)), ends(&mut points().map(|point| point.1)));
     Panel {
-        title: scene.title().to_owned(),
+        title: title(results, scene),
         notes: Vec::new(),
         x_label: "particles".to_owned(),
         y_label: "ns per particle-step".to_owned(),
@@ -442,6 +234,22 @@ fn panel(results: &Results, configurations: &[Configuration], scene: BenchScene)
         y_scale: Scale::Doubling,
         y,
         series,
+    }
+}
+
+/// Head line of a scene's panel: that the tank's sizes are compared by the first 0.1 s, and which of them ran for less.
+fn title(results: &Results, scene: BenchScene) -> String {
+    let title = scene.title();
+    let of_scene = results.runs.iter().filter(|run| run.configuration.scene == scene);
+    // Whole ticks, so that half of one is none.
+    let short = of_scene.filter(|run| run.account.simulated < OPENING - 0.5 * scene.tick());
+    let size_and_time = short.map(|run| (run.configuration.particles, run.account.simulated));
+    let least = size_and_time.reduce(|a, b| (a.0.min(b.0), a.1.min(b.1)));
+    match (scene, least) {
+        (BenchScene::Tank, Some((particles, seconds))) => {
+            format!("{title}, from {particles} particles on less: down to {seconds:.3} s")
+        }
+        _ => title.to_owned(),
     }
 }
 
@@ -469,17 +277,6 @@ mod tests {
     }
 
     #[test]
-    fn scaling_passes_and_rest_are_told() {
-        let results = results(&[run(1, 64_000, 360), run(2, 64_000, 200)]);
-        let text = cost(&results).to_string();
-        assert!(text.contains("1.80 x"), "{text}");
-        let text = passes(&results, Backend::Cpu).map_or_else(String::new, |table| table.to_string());
-        let cells: Vec<&str> = text.lines().last().unwrap_or_default().split_whitespace().rev().take(2).collect();
-        assert_eq!(cells, ["100.0", "100.0"], "half in density, half in the rest:\n{text}");
-        assert!(passes(&results, Backend::Gpu).is_none());
-    }
-
-    #[test]
     fn work_is_a_fraction_of_the_machine() {
         let on_processor = run(2, 64_000, 200);
         let mut on_card = on_processor.clone();
@@ -490,7 +287,6 @@ mod tests {
         assert!((results.of_operations(&results.runs[0]) - 0.1).abs() < 1e-9);
         assert!((results.of_copies(&results.runs[0]) - 0.1).abs() < 1e-9);
         assert!(results.of_operations(&results.runs[1]).is_nan(), "nothing is known of a card");
-        assert!(work(&results).to_string().contains("a card: not compared"));
         assert!(csv(&results).text().contains(",0.1000,0.1000,"), "{}", csv(&results).text());
     }
 
@@ -513,21 +309,27 @@ mod tests {
     }
 
     #[test]
-    fn published_times_stand_beside_ours() {
+    fn published_times_are_drawn_beside_ours() {
         let krog = in_scene(BenchScene::Krog, run(2, 65_536, 200));
-        let coarse = in_scene(BenchScene::Krog, run(2, 32_768, 200));
         let pirovano = in_scene(BenchScene::Pirovano, run(2, 4_096, 200));
-        let results = results(&[run(2, 8_000, 200), pirovano, coarse, krog]);
-        let text = published(&results).to_string();
-        for words in ["GeForce GTX 470", "70.8", "Phenom 8650", "58837.9", "krog: no figure in numbers", "a processor"]
-        {
-            assert!(text.contains(words), "{words} is missing in\n{text}");
-        }
-        assert!(!text.contains("tank"), "nothing is published of it");
+        let results = results(&[run(2, 8_000, 200), pirovano, krog]);
         let drawn = chart(&results);
         assert_eq!(drawn.panels.len(), 3);
         assert!(drawn.panels[1].y.0 < 200.0 && drawn.panels[1].y.1 > 58_838.0, "{:?}", drawn.panels[1].y);
         let names: Vec<&str> = drawn.panels[2].series.iter().map(|series| series.name.as_str()).collect();
         assert!(names.contains(&"GeForce GTX 260"), "{names:?}");
+    }
+
+    #[test]
+    fn the_chart_says_where_less_than_a_tenth_of_a_second_ran() {
+        let title = |runs: &[Run]| chart(&results(runs)).panels[0].title.clone();
+        let of = |particles, simulated| {
+            let mut run = run(2, particles, 200);
+            run.account.simulated = simulated;
+            run
+        };
+        assert_eq!(title(&[of(64_000, 0.5), of(125_000, 0.1)]), "tank, six walls, first 0.1 s");
+        let with_large = title(&[of(64_000, 0.5), of(262_144, 0.05), of(512_000, 1.0 / 30.0)]);
+        assert_eq!(with_large, "tank, six walls, first 0.1 s, from 262144 particles on less: down to 0.033 s");
     }
 }

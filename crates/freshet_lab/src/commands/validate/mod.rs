@@ -73,6 +73,7 @@ pub fn run(args: &ValidateArgs) -> Result<Verdict, LabError> {
                 Ok(found) => {
                     levels.extend(found.levels.into_iter().map(|level| (case.name, backend, level)));
                     verdict.checks.extend(found.verdict.checks);
+                    verdict.unmeasured.extend(found.verdict.unmeasured);
                 }
                 Err(LabError::Solver(error @ freshet_core::solver::SolverError::Unsupported { .. })) => {
                     left_out.push(format!("{} is left out: {error}", case.name));

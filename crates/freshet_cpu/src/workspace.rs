@@ -1,0 +1,35 @@
+//! What a thread needs beside a task's own data, kept from task to task and from substep to substep.
+
+use crate::candidates::Candidates;
+use crate::lanes::Sums;
+use crate::packed::Packed;
+
+/// Candidates of one cell packed in the ways of the passes, and its particles' sums. What a plan does not use takes no memory.
+#[derive(Default)]
+pub struct Workspace {
+    /// Positions.
+    pub places: Packed<3>,
+    /// With a pressure term or a volume.
+    pub calm: Packed<4>,
+    /// Samples that drag by artificial viscosity.
+    pub dragging: Packed<5>,
+    /// Samples that drag by a physical viscosity.
+    pub sticking: Packed<7>,
+    /// Fluid with a viscosity.
+    pub viscous: Packed<8>,
+    /// Of particles.
+    pub sums: Sums,
+    /// Of particles, over the walls.
+    pub wall_sums: Sums,
+    /// Around a body's samples.
+    pub candidates: Candidates,
+}
+
+impl Workspace {
+    /// Bytes allocated.
+    pub fn bytes(&self) -> u64 {
+        let Self { places, calm, dragging, sticking, viscous, sums, wall_sums, candidates } = self;
+        let packed = places.bytes() + calm.bytes() + dragging.bytes() + sticking.bytes() + viscous.bytes();
+        packed + sums.bytes() + wall_sums.bytes() + candidates.bytes()
+    }
+}
