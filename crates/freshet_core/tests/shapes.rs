@@ -470,7 +470,9 @@ fn thin_parts_keep_a_layer_in_their_middle() {
         let kept = samples(BoundaryShape::mesh(solid.clone()));
         let surface: Vec<Vec3> = points_on(&solid, random).into_iter().map(|(point, _)| point).collect();
         let (gap, closest) = spread(&kept, &surface);
-        // The diagonal of a cube of the depth, which is what a box leaves at its corners, and as far as a sample may be.
+        // A layer at its depth leaves the corner of a box 1.74 depths from the layer's own corner, the diagonal of a cube, and no
+        // point of a layer is farther than 0.75 spacings from a sample. Where there is no room for the layer, no part of the surface
+        // may be worse off than that; where exactly its samples lie depends on the shape, so that nothing closer can be asked of all.
         let most = 1.74 * layer().depth / D + 0.75;
         assert!(
             gap <= most,
@@ -559,24 +561,6 @@ fn samples_are_no_denser_than_documented() {
         println!("{name}: {density} samples for each spacing squared");
         assert!((0.8..1.5).contains(&density), "{name}: {density}");
     }
-}
-
-#[test]
-fn a_hundred_thousand_triangles_and_ten_thousands_of_samples_take_seconds() {
-    let fine = ball(1.0, 1.0, 225);
-    let start = std::time::Instant::now();
-    let few = samples(BoundaryShape::mesh(fine));
-    println!("100,000 triangles: {} samples in {:?}", few.len(), start.elapsed());
-    for (name, shape) in [
-        ("ball", BoundaryShape::mesh(ball(3.5, 1.0, 40))),
-        ("sheet", BoundaryShape::Mesh { mesh: ball(3.5, 1.0, 40), fluid: Some(FluidSide::Both) }),
-        ("cylinder", BoundaryShape::Cylinder { radius: 3.0, half_height: 3.0, fluid: FluidSide::Outside }),
-    ] {
-        let start = std::time::Instant::now();
-        println!("{name}: {} samples in {:?}", samples(shape).len(), start.elapsed());
-    }
-    // Four such shapes, on machines that are busy with other things and hardly optimise.
-    assert!(start.elapsed().as_secs_f32() < 60.0);
 }
 
 // Insides

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use glam::Vec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::triangle_mesh::TriangleMesh;
+use super::triangle_mesh::{MAX_TRIANGLES, TriangleMesh};
 use crate::error::{InvalidInput, check_range};
 
 /// Most heights of a field.
@@ -105,12 +105,14 @@ impl HeightField {
     }
 
     /// The surface as triangles that face up. Warped cells are cut until these are within a hundredth of a cell's edge of it, or
-    /// into 128.
+    /// into 128, or as many as a mesh may have.
     pub(crate) fn surface(&self) -> &TriangleMesh {
         self.0.surface.get_or_init(|| {
             let (counts, steps) = (self.counts(), self.steps());
             let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
             let tolerance = 0.01 * steps[0].min(steps[1]);
+            let cells = f64::from(counts[0] - 1) * f64::from(counts[1] - 1);
+            let most = ((MAX_TRIANGLES as f64 / (2.0 * cells)).sqrt() as u32).clamp(1, 8);
             for j in 0..counts[1] - 1 {
                 for i in 0..counts[0] - 1 {
                     let corner = [i, j].map(|index| index as f32);
@@ -123,7 +125,7 @@ impl HeightField {
                     };
                     let warp = (at(0.0, 0.0) - at(1.0, 0.0) - at(0.0, 1.0) + at(1.0, 1.0)).y.abs();
                     // Two triangles miss a warped cell by a quarter of this in its middle.
-                    let parts = ((0.25 * warp / tolerance).sqrt().ceil() as u32).clamp(1, 8);
+                    let parts = ((0.25 * warp / tolerance).sqrt().ceil() as u32).clamp(1, most);
                     let first = vertices.len() as u32;
                     let along = || (0..=parts).map(|index| index as f32 / parts as f32);
                     vertices.extend(along().flat_map(|v| along().map(move |u| (u, v))).map(|(u, v)| at(u, v)));

@@ -26,9 +26,52 @@ struct Node {
     radius: f32,
 }
 
+/// A triangle near a middle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near {
+    /// Its index in the tree's order.
+    triangle: u32,
+    /// No larger than its distance from the middle, m.
+    distance: f32,
+}
+
+impl Near {
+    fn new(triangle: u32, distance: f64) -> Self {
+        Self { triangle, distance: (distance * (1.0 - 1e-6)) as f32 }
+    }
+
+    /// No larger than its distance from the middle, m.
+    pub fn distance(self) -> f64 {
+        f64::from(self.distance)
+    }
+
+    fn sort(list: &mut [Self]) {
+        list.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.triangle.cmp(&b.triangle)));
+    }
+}
+
+/// Triangles looked at, for tests of what a search costs.
+#[cfg(test)]
+pub(crate) mod work {
+    use std::cell::Cell;
+
+    thread_local! {
+        static TRIANGLES: Cell<u64> = const { Cell::new(0) };
+    }
+
+    pub fn count() {
+        TRIANGLES.set(TRIANGLES.get() + 1);
+    }
+
+    /// How many this thread has looked at since it was asked last.
+    pub fn take() -> u64 {
+        TRIANGLES.replace(0)
+    }
+}
+
 /// Triangles, sorted into boxes that halve their number.
 #[derive(Clone, Debug)]
-pub(super) struct MeshTree {
+pub(crate) struct MeshTree {
     nodes: Vec<Node>,
     triangles: Vec<[Vec3; 3]>,
 }
@@ -48,7 +91,8 @@ impl MeshTree {
     }
 
     fn corners(&self, index: usize) -> [DVec3; 3] {
-        self.triangles[index].map(|corner| corner.as_dvec3())
+        let [a, b, c] = self.triangles[index];
+        [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()]
     }
 
     /// The nearest point that is nearer than `limit`, m.
@@ -57,14 +101,19 @@ impl MeshTree {
         if self.nodes.is_empty() {
             return None;
         }
-        let mut stack = vec![(self.gap(0, point), 0)];
-        while let Some((gap, index)) = stack.pop() {
+        // Halves of halves: no way down is longer than the bits of a triangle's index, and each step leaves one node behind.
+        let mut stack = [(0.0, 0); 34];
+        let mut waiting = 1;
+        stack[0] = (self.gap(0, point), 0);
+        while waiting > 0 {
+            waiting -= 1;
+            let (gap, index) = stack[waiting];
             if gap >= best {
                 continue;
             }
             let node = &self.nodes[index];
             for triangle in node.next as usize..(node.next + node.count) as usize {
-                let near = nearest_on_triangle(point, self.corners(triangle));
+                let near = self.nearest_on(triangle, point);
                 let distance = near.distance_squared(point);
                 if distance < best {
                     (best, found) = (distance, Some(near));
@@ -75,35 +124,79 @@ impl MeshTree {
                 if children[0].0 < children[1].0 {
                     children.swap(0, 1);
                 }
-                stack.extend(children.into_iter().filter(|child| child.0 < best));
+                for child in children.into_iter().filter(|child| child.0 < best) {
+                    stack[waiting] = child;
+                    waiting += 1;
+                }
             }
         }
         found
     }
 
-    /// Triangles nearer than `reach`, or none at all if there are more than `most`.
-    pub fn near(&self, point: DVec3, reach: f64, most: usize) -> Option<Vec<[DVec3; 3]>> {
-        let mut found = Vec::new();
+    /// Adds the triangles nearer to a point than `reach` to a list, nearest first; none, and false, if there are more than `most`.
+    pub fn list_near(&self, point: DVec3, reach: f64, most: usize, list: &mut Vec<Near>) -> bool {
+        let first = list.len();
         let mut stack: Vec<usize> = (0..self.nodes.len().min(1)).collect();
         while let Some(index) = stack.pop() {
             if self.gap(index, point) > reach * reach {
                 continue;
             }
             let node = &self.nodes[index];
-            for triangle in node.next as usize..(node.next + node.count) as usize {
-                let corners = self.corners(triangle);
-                if nearest_on_triangle(point, corners).distance_squared(point) <= reach * reach {
-                    found.push(corners);
-                    if found.len() > most {
-                        return None;
+            for triangle in node.next..node.next + node.count {
+                let distance = self.nearest_on(triangle as usize, point).distance(point);
+                if distance <= reach {
+                    if list.len() - first == most {
+                        list.truncate(first);
+                        return false;
                     }
+                    list.push(Near::new(triangle, distance));
                 }
             }
             if node.count == 0 {
                 stack.extend([index + 1, node.next as usize]);
             }
         }
-        Some(found)
+        Near::sort(&mut list[first..]);
+        true
+    }
+
+    /// The nearest point of a list's triangles; `off` is how far the point is from the middle they are near to, m.
+    pub fn nearest_of(&self, list: &[Near], off: f64, point: DVec3) -> Option<DVec3> {
+        let (mut best, mut found) = (f64::INFINITY, None);
+        for near in list {
+            if near.distance() - off > best {
+                break;
+            }
+            let foot = self.nearest_on(near.triangle as usize, point);
+            let distance = foot.distance(point);
+            if distance < best {
+                (best, found) = (distance, Some(foot));
+            }
+        }
+        found
+    }
+
+    /// Adds those triangles of a list to `next` that are nearer than `reach` to another point, `off` from the middle, nearest first.
+    pub fn list_again(&self, list: &[Near], off: f64, point: DVec3, reach: f64, next: &mut Vec<Near>) {
+        let first = next.len();
+        for near in list.iter().take_while(|near| near.distance() - off <= reach) {
+            let distance = self.nearest_on(near.triangle as usize, point).distance(point);
+            if distance <= reach {
+                next.push(Near::new(near.triangle, distance));
+            }
+        }
+        Near::sort(&mut next[first..]);
+    }
+
+    /// Corners of a triangle of a list, m.
+    pub fn corners_of(&self, near: Near) -> [DVec3; 3] {
+        self.corners(near.triangle as usize)
+    }
+
+    fn nearest_on(&self, triangle: usize, point: DVec3) -> DVec3 {
+        #[cfg(test)]
+        work::count();
+        nearest_on_triangle(point, self.corners(triangle))
     }
 
     /// Square of the distance from a node's box.
@@ -124,6 +217,8 @@ impl MeshTree {
                 angle += node.area.as_dvec3().dot(way) / distance.powi(3);
             } else if node.count > 0 {
                 let range = node.next as usize..(node.next + node.count) as usize;
+                #[cfg(test)]
+                range.clone().for_each(|_| work::count());
                 angle += range.map(|triangle| solid_angle(point, self.corners(triangle))).sum::<f64>();
             } else {
                 stack.extend([index + 1, node.next as usize]);
@@ -205,8 +300,13 @@ mod tests {
             let winding = corners().map(|t| solid_angle(point, t)).sum::<f64>() / (4.0 * PI);
             assert!((tree.winding_number(point) - winding).abs() < 0.02, "{winding}");
             let near = corners().filter(|t| nearest_on_triangle(point, *t).distance(point) <= distance + 0.2).count();
-            assert_eq!(tree.near(point, distance + 0.2, 10_000).map(|list| list.len()), Some(near));
-            assert!(tree.near(point, distance + 0.2, near - 1).is_none());
+            let mut list = vec![Near::new(7, 0.0)];
+            assert!(!tree.list_near(point, distance + 0.2, near - 1, &mut list) && list.len() == 1);
+            assert!(tree.list_near(point, distance + 0.2, near, &mut list) && list.len() == 1 + near);
+            // What is nearest to a place a tenth away is on a list that reaches two tenths farther.
+            let beside = point + 0.1 * DVec3::new(random(), random(), random()).normalize();
+            let found = tree.nearest_of(&list[1..], 0.1, beside).map(|near| near.distance(beside)).unwrap();
+            assert!((found - tree.nearest(beside, 9.0).unwrap().distance(beside)).abs() < 1e-9);
             inside += u32::from(winding > 0.5);
         }
         assert!(inside > 50);

@@ -5,7 +5,7 @@
 
 mod convex_hull;
 mod height_field;
-mod mesh_tree;
+pub(crate) mod mesh_tree;
 pub(crate) mod round;
 mod triangle;
 mod triangle_mesh;

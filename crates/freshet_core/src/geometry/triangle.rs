@@ -5,6 +5,7 @@ use glam::DVec3;
 /// The point of a triangle that is nearest to `point` (Ericson 2005, Real-Time Collision Detection, 5.1.5).
 ///
 /// Triangles without an area are what is left of them, a segment or a point.
+#[inline]
 pub(crate) fn nearest_on_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     let (ab, ac, ap) = (b - a, c - a, point - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
@@ -24,8 +25,19 @@ pub(crate) fn nearest_on_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 
     let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
     let area = va + vb + vc;
     // A needle's area is the difference of numbers that are nearly equal: its edges are asked instead.
-    if area > 1e-12 * ab.length_squared() * ac.length_squared() && va > 0.0 && vb > 0.0 && vc > 0.0 {
-        return a + (ab * vb + ac * vc) / area;
+    if area > 1e-12 * ab.length_squared() * ac.length_squared() {
+        if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+            return a + ab * (d1 / (d1 - d3));
+        }
+        if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+            return a + ac * (d2 / (d2 - d6));
+        }
+        if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+            return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+        }
+        if va > 0.0 && vb > 0.0 && vc > 0.0 {
+            return a + (ab * vb + ac * vc) / area;
+        }
     }
     [[a, b], [b, c], [c, a]]
         .map(|edge| nearest_on_segment(point, edge))

@@ -141,12 +141,8 @@ impl TriangleMesh {
         self.tree().nearest(point, limit)
     }
 
-    /// Triangles nearer to a point than `reach`, unless there are more than `most`.
-    pub(crate) fn near(&self, point: DVec3, reach: f64, most: usize) -> Option<Vec<[DVec3; 3]>> {
-        self.tree().near(point, reach, most)
-    }
-
-    fn tree(&self) -> &MeshTree {
+    /// The tree of its triangles.
+    pub(crate) fn tree(&self) -> &MeshTree {
         self.0.tree.get_or_init(|| MeshTree::new(self.corners().collect()))
     }
 

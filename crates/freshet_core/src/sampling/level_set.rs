@@ -3,17 +3,18 @@
 //! Candidates come from a grid: each of its nodes near the depth moves to it along the way from the nearest point of the surface. So
 //! convex edges stay sharp and concave ones are rounded without anyone asking for them, and it does not matter how the triangles of
 //! a mesh hang together. Where a part is thinner than twice the depth no point is that deep; there the layer is one in the middle,
-//! of the centres of balls that touch the surface on both sides (Ma et al. 2012).
+//! see [`thin_parts`](super::thin_parts).
 
 use std::collections::HashMap;
 use std::hash::BuildHasherDefault;
 
 use glam::{DVec3, I64Vec3, Vec3};
 
-use super::poisson::{CellHasher, DISTANCES, LEAST, Samples};
-use super::surface::{check_mesh, visit_triangle};
+use super::poisson::{CellHasher, DISTANCES, Samples};
+use super::surface::check_mesh;
 use super::{MAX_CURVED_SAMPLES, check_estimate, too_many};
 use crate::error::InvalidInput;
+use crate::geometry::mesh_tree::Near;
 use crate::geometry::round::Profile;
 use crate::geometry::{HeightField, TriangleMesh};
 
@@ -26,8 +27,12 @@ const MAX_CELLS: usize = 16 * MAX_CURVED_SAMPLES;
 /// How far from the depth a sample may be, over the spacing.
 const TOLERANCE: f64 = 0.01;
 
-/// Distance between points of triangles in the search for thin parts, over the spacing.
-const THIN_STEP: f64 = 0.1;
+/// Most triangles of a cube's list, and edge over a cell's of the largest cubes that have one.
+const LONGEST: usize = 32;
+const FIRST_LIST: i64 = 4;
+
+/// Most triangles of all lists together, 8 bytes each; cells beyond ask the tree.
+const MAX_NEAR: usize = 1 << 26;
 
 /// A surface with an inside.
 #[derive(Clone, Copy)]
@@ -63,7 +68,7 @@ impl Surface<'_> {
     }
 
     /// The nearest point, which is known to be nearer than `limit`.
-    fn nearest(&self, point: DVec3, limit: f64) -> DVec3 {
+    pub fn nearest(&self, point: DVec3, limit: f64) -> DVec3 {
         match self {
             Self::Round(profile) | Self::Sheet(profile) => profile.nearest(point),
             // A mesh has a triangle.
@@ -72,7 +77,7 @@ impl Surface<'_> {
     }
 
     /// Whether a point is on the side of the layer.
-    fn has_layer_at(&self, point: DVec3, inside: bool, margin: f64) -> bool {
+    pub fn has_layer_at(&self, point: DVec3, inside: bool, margin: f64) -> bool {
         match self {
             Self::Mesh(mesh) => mesh.encloses(point) == inside,
             Self::Round(profile) => profile.encloses(point) == inside,
@@ -119,13 +124,14 @@ pub(super) fn sample_level_set(
         }
     }
     let level = Level { surface, depth, inside, spacing };
-    let cells = level.cells()?;
+    let grid = level.grid()?;
     let mut samples = Samples::new(spacing);
     for distance in DISTANCES {
-        for cell in &cells {
-            level.sample_cell(cell, distance * spacing, &mut samples);
+        for cell in &grid.cells {
+            level.sample_cell(cell, grid.list(cell.near), distance * spacing, &mut samples);
         }
     }
+    drop(grid);
     if let Some(mesh) = surface.mesh() {
         level.sample_thin_parts(mesh, &mut samples);
     }
@@ -136,15 +142,33 @@ pub(super) fn sample_level_set(
 struct Cell {
     /// Its lowest corner, in edges.
     corner: I64Vec3,
-    /// Distance of its middle from the surface, m.
+    /// The point of the surface that is nearest to its middle, and how far that is, m.
+    foot: DVec3,
     away: f64,
+    /// Which of the grid's triangles are near it; none if they are too many.
+    near: List,
 }
 
-struct Level<'a> {
-    surface: Surface<'a>,
-    depth: f64,
-    inside: bool,
-    spacing: f64,
+/// A part of the grid's list of triangles.
+type List = Option<(u32, u32)>;
+
+/// Cells that the layer passes, with the triangles near to them.
+struct Grid {
+    cells: Vec<Cell>,
+    near: Vec<Near>,
+}
+
+impl Grid {
+    fn list(&self, list: List) -> Option<&[Near]> {
+        list.map(|(first, end)| &self.near[first as usize..end as usize])
+    }
+}
+
+pub(super) struct Level<'a> {
+    pub surface: Surface<'a>,
+    pub depth: f64,
+    pub inside: bool,
+    pub spacing: f64,
 }
 
 impl Level<'_> {
@@ -158,36 +182,76 @@ impl Level<'_> {
         0.5 * 3.0f64.sqrt() * edge
     }
 
+    /// From a node to the layer, at most, m.
+    fn off(&self) -> f64 {
+        Self::half_diagonal(self.edge() / f64::from(NODES)) * 1.001
+    }
+
+    /// How much farther than the surface a triangle may be from the middle of a cube that is nearest to a point of it, m.
+    fn slack(&self, half_diagonal: f64) -> f64 {
+        2.0 * (half_diagonal + self.off()) * 1.000_001
+    }
+
     /// Cells that the layer passes, in rows: each goes on where another ended.
-    fn cells(&self) -> Result<Vec<Cell>, InvalidInput> {
+    ///
+    /// A cube that is cut into eight hands down the triangles near it, as soon as they are few.
+    fn grid(&self) -> Result<Grid, InvalidInput> {
         let (low, high) = self.surface.bounds();
         let edge = self.edge();
         let first = ((low - self.depth) / edge).floor().as_i64vec3() - 1;
         let last = ((high + self.depth) / edge).floor().as_i64vec3() + 1;
         let size = ((last - first).max_element().max(1) as u64 + 1).next_power_of_two() as i64;
-        let mut cells = Vec::new();
-        let mut stack = vec![(first, size, f64::INFINITY)];
-        while let Some((corner, size, limit)) = stack.pop() {
+        let tree = self.surface.mesh().map(TriangleMesh::tree);
+        let mut grid = Grid { cells: Vec::new(), near: Vec::new() };
+        let mut own = Vec::new();
+        let mut stack = vec![(first, size, f64::INFINITY, List::None, 0.0)];
+        while let Some((corner, size, limit, list, mut off)) = stack.pop() {
             let middle = (corner.as_dvec3() + 0.5 * size as f64) * edge;
-            let away = self.surface.nearest(middle, limit).distance(middle);
             let reach = Self::half_diagonal(edge * size as f64);
+            let foot = match (tree, grid.list(list)) {
+                (Some(tree), Some(near)) => tree.nearest_of(near, off, middle),
+                _ => None,
+            };
+            let foot = foot.unwrap_or_else(|| self.surface.nearest(middle, limit));
+            let away = foot.distance(middle);
             if (away - self.depth).abs() > reach + 1e-9 * away {
                 continue;
+            }
+            let mut near = list;
+            if let Some(tree) = tree
+                && grid.near.len() < MAX_NEAR
+            {
+                own.clear();
+                let is_short = match grid.list(list) {
+                    Some(before) => {
+                        tree.list_again(before, off, middle, away + self.slack(reach), &mut own);
+                        own.len() < before.len()
+                    }
+                    None => size <= FIRST_LIST && tree.list_near(middle, away + self.slack(reach), LONGEST, &mut own),
+                };
+                // What all of a list is near to needs none of its own, until cells look for samples with it.
+                if is_short || (size == 1 && list.is_some()) {
+                    let start = grid.near.len() as u32;
+                    grid.near.append(&mut own);
+                    (near, off) = (Some((start, grid.near.len() as u32)), 0.0);
+                }
             }
             if size > 1 {
                 let half = size / 2;
                 let child = |index: i64| corner + half * I64Vec3::new(index & 1, index >> 1 & 1, index >> 2);
                 // The way from the middle of a cube to that of its eighth.
-                stack.extend((0..8).map(|index| (child(index), half, (away + 0.5 * reach) * 1.000_001)));
+                let way = 0.5 * reach * 1.000_001;
+                stack.extend((0..8).map(|index| (child(index), half, (away + way) * 1.000_001, near, off + way)));
             } else {
-                cells.push(Cell { corner, away });
-                if cells.len() > MAX_CELLS {
-                    return Err(too_many(self.spacing, cells.len() as f64 / 16.0));
+                grid.cells.push(Cell { corner, foot, away, near: near.filter(|_| off == 0.0) });
+                if grid.cells.len() > MAX_CELLS {
+                    return Err(too_many(self.spacing, grid.cells.len() as f64 / 16.0));
                 }
             }
         }
-        cells.sort_unstable_by_key(|cell| [cell.corner.z, cell.corner.y, cell.corner.x]);
-        Ok(self.on_the_side(cells))
+        grid.cells.sort_unstable_by_key(|cell| [cell.corner.z, cell.corner.y, cell.corner.x]);
+        grid.cells = self.on_the_side(grid.cells);
+        Ok(grid)
     }
 
     /// Of cells those on the side of the layer.
@@ -209,7 +273,8 @@ impl Level<'_> {
                 .collect();
         }
         let mut unknown: HashMap<I64Vec3, u32, BuildHasherDefault<CellHasher>> =
-            (0..).zip(&cells).filter(|(_, cell)| is_clear(cell)).map(|(index, cell)| (cell.corner, index)).collect();
+            HashMap::with_capacity_and_hasher(cells.len(), BuildHasherDefault::default());
+        unknown.extend((0..).zip(&cells).filter(|(_, cell)| is_clear(cell)).map(|(index, cell)| (cell.corner, index)));
         let mut keeps: Vec<bool> = cells.iter().map(|cell| !is_clear(cell)).collect();
         for (first, cell) in (0..).zip(&cells) {
             if unknown.remove(&cell.corner).is_none() {
@@ -232,29 +297,34 @@ impl Level<'_> {
     }
 
     /// Adds samples on the layer in a cell that are as far from all others.
-    fn sample_cell(&self, cell: &Cell, distance: f64, samples: &mut Samples) {
+    fn sample_cell(&self, cell: &Cell, triangles: Option<&[Near]>, distance: f64, samples: &mut Samples) {
         let edge = self.edge();
         let step = edge / f64::from(NODES);
-        // From a node to the layer, at most.
-        let off = Self::half_diagonal(step) * 1.001;
+        let off = self.off();
         let middle = (cell.corner.as_dvec3() + 0.5) * edge;
         let half = Self::half_diagonal(edge);
-        let mut near = samples.near(middle, distance + half + off);
-        let limit = cell.away + 2.0 * (half + off);
-        let mut triangles: Option<Option<Vec<[DVec3; 3]>>> = None;
+        let mut near = Vec::new();
+        samples.near(middle, distance + half + off, &mut near);
+        let limit = cell.away + self.slack(half);
+        let nearest = |point: DVec3| {
+            match (triangles, self.surface.mesh()) {
+                (Some(list), Some(mesh)) => mesh.tree().nearest_of(list, point.distance(middle), point),
+                _ => None,
+            }
+            .unwrap_or_else(|| self.surface.nearest(point, limit))
+        };
+        let mut foot = cell.foot;
         for node in 0..NODES.pow(3) {
             let index = [node % NODES, node / NODES % NODES, node / NODES / NODES].map(|i| f64::from(i) + 0.5);
             let point = cell.corner.as_dvec3() * edge + DVec3::from(index) * step;
             if near.iter().any(|sample| sample.distance_squared(point) < (distance - off).powi(2)) {
                 continue;
             }
-            let triangles =
-                triangles.get_or_insert_with(|| self.surface.mesh().and_then(|mesh| mesh.near(middle, limit, 24)));
-            let nearest = |point: DVec3| match &*triangles {
-                Some(list) => nearest_of(list, point).unwrap_or_else(|| self.surface.nearest(point, f64::INFINITY)),
-                None => self.surface.nearest(point, limit),
-            };
-            let mut foot = nearest(point);
+            // The surface is at least as near as any point of it.
+            if foot.distance_squared(point) < (self.depth - off).max(0.0).powi(2) {
+                continue;
+            }
+            foot = nearest(point);
             let mut away = foot.distance(point);
             if (away - self.depth).abs() > off || (away == 0.0 && self.depth > 0.0) {
                 continue;
@@ -281,102 +351,67 @@ impl Level<'_> {
             }
         }
     }
-
-    /// Adds samples where the surface has none behind it because there is no room for the depth.
-    fn sample_thin_parts(&self, mesh: &TriangleMesh, samples: &mut Samples) {
-        let d = self.spacing;
-        // The diagonal of a cube of the depth, and as far as the next sample may be: the corner of a box needs none.
-        let tips = 3.0f64.sqrt() * self.depth + 0.75 * d;
-        let mut left_over = Vec::new();
-        for (distance, corners) in
-            DISTANCES.into_iter().flat_map(|far| mesh.corners().map(move |corners| (far, corners)))
-        {
-            let corners = corners.map(|corner| corner.as_dvec3());
-            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
-            let behind = normal * if self.inside { -self.depth } else { self.depth };
-            let is_plain = |samples: &Samples, point: DVec3| !samples.is_free(point + behind, 0.7 * d);
-            // Most triangles have the whole layer behind them: a look here and there is enough.
-            let mut is_whole = normal != DVec3::ZERO;
-            visit_triangle(corners, 3.0 * THIN_STEP * d, |point| is_whole = is_whole && is_plain(samples, point));
-            if is_whole {
-                continue;
-            }
-            visit_triangle(corners, THIN_STEP * d, |point| {
-                // Behind a plate's face: in line with it, whatever is beside.
-                let is_served = normal != DVec3::ZERO
-                    && (is_plain(samples, point)
-                        || samples.any(point, 1.3 * d, |sample| {
-                            let way = sample - point;
-                            (way - normal * way.dot(normal)).length() < 0.5 * d
-                        }));
-                if is_served {
-                    return;
-                }
-                match self.middle_behind(point, normal) {
-                    Some((sample, true)) if samples.is_free(sample, distance * d) => samples.add(sample),
-                    Some((sample, false)) if distance == LEAST && samples.is_free(point, tips) => {
-                        left_over.push((point, sample));
-                    }
-                    _ => {}
-                }
-            });
-        }
-        // Then tips and slivers, what all else has left out. A whole layer leaves nothing as far as this, but behind edges sharper
-        // than those of a box.
-        for (point, sample) in left_over {
-            if samples.is_free(point, tips) && samples.is_free(sample, 0.55 * d) {
-                samples.add(sample);
-            }
-        }
-    }
-
-    /// Centre of the largest ball up to the depth behind a point of the surface, that touches it there, and whether the ball is as
-    /// large as that or wedged between two sides.
-    fn middle_behind(&self, point: DVec3, normal: DVec3) -> Option<(DVec3, bool)> {
-        let margin = 0.05 * self.spacing;
-        let step = 1e-3 * self.spacing;
-        let is_layer = |way: DVec3| self.surface.has_layer_at(point + way * step, self.inside, margin);
-        // Triangles of ground miss its bilinear surface by more than this step, but all face up.
-        let is_ground = matches!(self.surface, Surface::Ground(_));
-        let way = match (normal != DVec3::ZERO).then(|| [is_layer(normal), is_layer(-normal)]) {
-            Some(_) if is_ground => -normal,
-            Some([true, false]) => normal,
-            Some([false, true]) => -normal,
-            // Between two parts of the inside there is no wall to be kept.
-            Some([true, true]) => return None,
-            // A flap without an inside, or a triangle without a normal, holds fluid as what it is.
-            Some([false, false]) | None => return Some((point, false)),
-        };
-        let mut radius = self.depth;
-        let mut touched = point;
-        for _ in 0..30 {
-            let center = point + way * radius;
-            let foot = self.surface.nearest(center, 1.001 * radius);
-            // None is nearer, or only what it touches already.
-            if foot.distance(center) >= radius * (1.0 - 1e-6) {
-                break;
-            }
-            let chord = foot - point;
-            let along = 2.0 * chord.dot(way);
-            if along <= 0.0 {
-                break;
-            }
-            (radius, touched) = (chord.length_squared() / along, foot);
-        }
-        let center = point + way * radius;
-        if let Surface::Ground(field) = self.surface
-            && !field.covers(center.x as f32, center.z as f32, 0.0)
-        {
-            return None;
-        }
-        // On an edge the ball has no size, and touches nothing in particular.
-        let is_wedged =
-            radius > step && (point - center).normalize_or_zero().dot((touched - center).normalize_or_zero()) < -0.3;
-        Some((center, is_wedged || touched == point))
-    }
 }
 
-fn nearest_of(triangles: &[[DVec3; 3]], point: DVec3) -> Option<DVec3> {
-    let feet = triangles.iter().map(|&triangle| crate::geometry::nearest_on_triangle(point, triangle));
-    feet.min_by(|a, b| a.distance_squared(point).total_cmp(&b.distance_squared(point)))
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::mesh_tree::work;
+    use std::f32::consts::PI;
+
+    const D: f64 = 0.1;
+
+    /// Rows of quads from pole to pole.
+    fn ball(radius: f32, rows: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let columns = 2 * rows;
+        let at = |i: u32, j: u32| {
+            let (theta, phi) = (PI * i as f32 / rows as f32, PI * j as f32 / rows as f32);
+            let ring = if i == rows { 0.0 } else { theta.sin() };
+            radius * Vec3::new(ring * phi.cos(), theta.cos(), -ring * phi.sin())
+        };
+        let vertices = (0..=rows).flat_map(|i| (0..columns).map(move |j| at(i, j))).collect();
+        let quads = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+        let triangles = quads.flat_map(|(i, j)| {
+            let (a, next) = (i * columns, (j + 1) % columns);
+            let b = a + columns;
+            [[a + j, b + j, b + next], [a + j, b + next, a + next]]
+        });
+        (vertices, triangles.collect())
+    }
+
+    /// Samples, and triangles looked at for each.
+    fn cost(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> (usize, f64) {
+        let mesh = TriangleMesh::new(vertices, triangles).unwrap();
+        work::take();
+        let samples = sample_level_set(Surface::Mesh(&mesh), 0.92 * D, true, D).unwrap().len();
+        (samples, work::take() as f64 / samples as f64)
+    }
+
+    fn plate(half: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let corner = |i: u32| {
+            Vec3::new(half, 0.05, half) * Vec3::from([i & 1, i >> 1 & 1, i >> 2].map(|bit| 2.0 * bit as f32 - 1.0))
+        };
+        let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        ((0..8).map(corner).collect(), triangles)
+    }
+
+    /// What a sample costs does not grow with the number of samples, and hardly with that of triangles, nor where a solid is thin.
+    #[test]
+    fn the_cost_of_a_sample_is_bounded() {
+        let of = |(vertices, triangles)| cost(vertices, triangles);
+        let (small, large) = (of(ball(1.0, 20)), of(ball(2.0, 20)));
+        let (coarse, fine) = (of(ball(1.0, 40)), of(ball(1.0, 160)));
+        let (short, wide) = (of(plate(1.0)), of(plate(2.0)));
+        println!("balls {small:?} {large:?}, finer {coarse:?} {fine:?}, plates {short:?} {wide:?}");
+        assert!(large.0 > 3 * small.0 && wide.0 > 3 * short.0);
+        assert!(large.1 < 1.2 * small.1, "four times as many samples: {small:?} {large:?}");
+        assert!(wide.1 < 1.2 * short.1, "four times as wide a plate: {short:?} {wide:?}");
+        // 2.5 times as many: those that are about equally near to a point are on one side of it, and only they are looked at.
+        assert!(fine.1 < 4.0 * coarse.1, "16 times as many triangles: {coarse:?} {fine:?}");
+        // 700 to 1650. All pairs would be 10 thousands for the balls.
+        for each in [small, large, short, wide] {
+            assert!(each.1 < 2500.0, "{each:?}");
+        }
+    }
 }

@@ -9,6 +9,7 @@ mod level_set;
 mod poisson;
 pub mod shapes;
 mod surface;
+mod thin_parts;
 pub mod volume_weights;
 pub mod wall_layer;
 

@@ -17,13 +17,14 @@ pub(super) const LEAST: f64 = 0.67;
 pub(super) struct Samples {
     points: Vec<DVec3>,
     cells: HashMap<I64Vec3, Vec<u32>, BuildHasherDefault<CellHasher>>,
+    /// Edge of a cell, m: searches reach from one to three spacings.
     cell: f64,
 }
 
 impl Samples {
     /// None yet, for particles `spacing` metres apart.
     pub fn new(spacing: f64) -> Self {
-        Self { points: Vec::new(), cells: HashMap::default(), cell: DISTANCES[0] * spacing }
+        Self { points: Vec::new(), cells: HashMap::default(), cell: 2.0 * spacing }
     }
 
     pub fn add(&mut self, point: DVec3) {
@@ -54,14 +55,13 @@ impl Samples {
         !self.any(point, distance, |_| true)
     }
 
-    /// All samples nearer than `reach`.
-    pub fn near(&self, point: DVec3, reach: f64) -> Vec<DVec3> {
-        let mut found = Vec::new();
+    /// All samples nearer than `reach`, instead of what was found before.
+    pub fn near(&self, point: DVec3, reach: f64, found: &mut Vec<DVec3>) {
+        found.clear();
         self.any(point, reach, |other| {
             found.push(other);
             false
         });
-        found
     }
 
     /// Rounded once.
