@@ -58,7 +58,7 @@ impl Summary {
         self.solver / self.simulated.max(1e-9)
     }
 
-    /// Wall time in the solver for a tick, s.
+    /// Wall time in the solver for a tick, mean of all, s.
     fn of_tick(&self) -> f64 {
         self.solver / self.ticks.max(1) as f64
     }
@@ -82,10 +82,10 @@ impl Summary {
         line("spacing", format!("{:.5} m", self.spacing));
         line("simulated time", format!("{:.3} s in {} substeps", self.simulated, self.substeps));
         line("wall time per simulated second, solver only", format!("{:.3} s", self.cost()));
-        line("wall time of a tick, solver only", format!("{:.3} ms", 1e3 * self.of_tick()));
+        line("wall time of a tick, solver only", format!("{:.3} ms on average", 1e3 * self.of_tick()));
         if let Some(frame) = self.of_drawing() {
             // A frame with a tick costs both, where the solver runs on the same processor as what draws.
-            line("wall time of a frame without a tick", format!("{:.3} ms until it is drawn", 1e3 * frame));
+            line("wall time of a frame without a tick", format!("{:.3} ms until it is drawn, the median", 1e3 * frame));
         }
         line("wall time, pictures and all", format!("{:.3} s", self.wall));
         line("least time scale", format!("{:.3}", self.least_time_scale));

@@ -16,6 +16,7 @@ pub mod near_pressure;
 mod overlap;
 pub mod periodic;
 pub mod plan;
+pub mod pressure_solver;
 pub mod run;
 pub mod sampling;
 pub mod scene;
@@ -38,6 +39,7 @@ pub mod prelude {
     pub use crate::material::Material;
     pub use crate::periodic::Periodic;
     pub use crate::plan::{Plan, SceneError, StageKind};
+    pub use crate::pressure_solver::{DivergenceFree, PressureSolver};
     pub use crate::run::SceneRun;
     pub use crate::scene::{
         Body, Boundary, BoundaryShape, FluidScene, FluidSide, Resolution, Settings, Shape, Support, Volume,

@@ -15,6 +15,7 @@ use crate::error::{InvalidInput, check_finite, check_range};
 use crate::kernel::KernelKind;
 use crate::material::Material;
 use crate::periodic::Periodic;
+use crate::pressure_solver::PressureSolver;
 use crate::solid::Solid;
 use crate::viscosity::ViscosityModel;
 
@@ -226,6 +227,8 @@ pub struct Settings {
     pub kernel: KernelKind,
     /// Reach of the kernel.
     pub support: Support,
+    /// How pressure is found.
+    pub pressure_solver: PressureSolver,
     /// Pressure as a function of density, with its own speed of sound; none takes Tait's with [`sound_speed`](Self::sound_speed).
     pub equation_of_state: Option<EquationOfState>,
     /// Whether negative pressures are set to zero (E eq. 9), so that fluid does not pull at itself.
@@ -244,7 +247,7 @@ pub struct Settings {
     pub near_pressure: f32,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
     pub viscosity_model: Option<ViscosityModel>,
-    /// Substep over `h / (c + v)`, 0.01 to 1.
+    /// Substep over `h / (c + v)`, or, of an incompressible fluid, over `d / v`: 0.01 to 1.
     pub courant_factor: f32,
     /// Substep over `sqrt(h / a)`, 0.01 to 1.
     pub force_factor: f32,
@@ -266,6 +269,7 @@ impl Default for Settings {
         Self {
             kernel: KernelKind::WendlandC2,
             support: Support::Ratio(2.0),
+            pressure_solver: PressureSolver::WeaklyCompressible,
             equation_of_state: None,
             clamp_negative_pressure: true,
             sound_speed: None,
@@ -295,11 +299,29 @@ pub const MAX_PARTICLES: u32 = 64 << 20;
 pub const MAX_OBJECTS: usize = 10_000;
 
 impl Settings {
+    /// Refuses what needs pressures that follow from densities where they do not.
+    fn check_pressure_solver(&self) -> Result<(), InvalidInput> {
+        let PressureSolver::DivergenceFree(solver) = &self.pressure_solver else { return Ok(()) };
+        solver.validate().map_err(|error| error.inside("pressure_solver"))?;
+        let allowed = "with the weakly compressible settings.pressure_solver only";
+        if let Some(equation) = &self.equation_of_state {
+            return Err(InvalidInput::new("equation_of_state", equation.name(), allowed));
+        }
+        if !self.clamp_negative_pressure {
+            return Err(InvalidInput::new("clamp_negative_pressure", false, allowed));
+        }
+        if self.near_pressure > 0.0 {
+            return Err(InvalidInput::new("near_pressure", self.near_pressure, allowed));
+        }
+        Ok(())
+    }
+
     fn validate(&self) -> Result<(), InvalidInput> {
         match self.support {
             Support::Ratio(ratio) => check_range("support", ratio, 1.5, 4.0, "spacings")?,
             Support::Neighbours(count) => check_range("support", count, 14.0, 270.0, "neighbours")?,
         }
+        self.check_pressure_solver()?;
         if let Some(equation) = &self.equation_of_state {
             equation.validate().map_err(|error| error.inside("equation_of_state"))?;
         }

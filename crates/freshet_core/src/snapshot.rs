@@ -32,6 +32,11 @@ pub struct Snapshot {
     pub velocities: Vec<Vec3>,
     /// Remaining lifetimes, s.
     pub remaining_lives: Vec<f32>,
+    /// `p / rho^2` of the last substep, m5/(kg s2), from which an incompressible fluid goes on; empty for others, zero if there was no
+    /// substep.
+    pub pressures: Vec<f32>,
+    /// Length of the last substep, s, likewise; zero for none.
+    pub last_substep: f32,
     /// For each body, the impulses of ticks its engine may not have heard of yet.
     pub exchanges: Vec<[Exchange; 4]>,
     /// Where the last tick left each body, in the plan's order; none, or beyond the end, for a body that is new.
@@ -85,7 +90,7 @@ pub enum SnapshotError {
 }
 
 /// First bytes of a saved snapshot; the last is the version of the format.
-const MAGIC: &[u8] = b"FRESHET\x02";
+const MAGIC: &[u8] = b"FRESHET\x03";
 
 /// What is known of bodies, for the bodies of another plan: `before` is what
 /// [`Plan::bodies_of`](crate::plan::Plan::bodies_of) says.
@@ -103,8 +108,8 @@ pub fn check_room(particles: usize, max_particles: u32) -> Result<(), InvalidInp
 }
 
 impl Snapshot {
-    /// Whether it was taken before the first tick: what bodies [have inside](crate::plan::Plan::started_inside) is then still to be found out.
-    /// For solvers.
+    /// Whether it was taken before the first tick: what bodies [have inside](crate::plan::Plan::started_inside) is then still
+    /// to be found out. For solvers.
     pub fn is_start(&self) -> bool {
         self.tick == 0
     }
@@ -168,6 +173,15 @@ impl Snapshot {
                 return Err(InvalidInput::new(format_args!("{field}[{index}]"), values[index], "finite numbers").into());
             }
         }
+        if !self.pressures.is_empty() && self.pressures.len() != count {
+            let allowed = format!("none or {count}, one for each id");
+            return Err(InvalidInput::new("pressures", self.pressures.len(), allowed).into());
+        }
+        if let Some(index) = self.pressures.iter().position(|pressure| !(pressure.is_finite() && *pressure >= 0.0)) {
+            let field = format!("pressures[{index}]");
+            return Err(InvalidInput::new(field, self.pressures[index], "0 or more").into());
+        }
+        check_range("last_substep", self.last_substep, 0.0, StepInput::MAX_DURATION, "s")?;
         if let Some(index) = self.remaining_lives.iter().position(|life| life.is_nan()) {
             return Err(InvalidInput::new(format_args!("remaining_lives[{index}]"), f32::NAN, "a number").into());
         }

@@ -264,6 +264,16 @@ pub struct StepReport {
     pub max_compression: f32,
     /// Largest speed in the last substep, m/s.
     pub max_speed: f32,
+    /// Iterations of [divergence solves](crate::pressure_solver::DivergenceFree) in this tick, over all substeps; zero for a plan
+    /// without.
+    #[serde(default)]
+    pub divergence_iterations: u32,
+    /// Iterations of density solves likewise.
+    #[serde(default)]
+    pub density_iterations: u32,
+    /// Solves that ended at their most iterations before they were as exact as asked for.
+    #[serde(default)]
+    pub unsolved: u32,
     /// Particles removed in this tick because they left the bounds or were not finite.
     pub removed: u32,
     /// Particles retired in this tick because their lifetime was over or a command said so.

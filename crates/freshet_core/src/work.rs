@@ -10,6 +10,7 @@ use std::f64::consts::PI;
 use crate::equation_of_state::EquationOfState;
 use crate::kernel::KernelKind;
 use crate::plan::{Parameters, StageKind};
+use crate::pressure_solver::PressureSolver;
 
 /// Operations that a power with an exponent other than 7 counts as.
 pub const POWER: u32 = 30;
@@ -37,11 +38,19 @@ impl Work {
         match stage {
             // Cell of a position.
             StageKind::Sort => Self { per_particle: 3 * 2, per_pair: 0 },
-            StageKind::Density => Self {
-                // p / rho^2 and the compression.
-                per_particle: of_pressure(parameters) + 2 + 7,
-                per_pair: DISTANCE + RELATIVE + shape + 2,
-            },
+            StageKind::Density => {
+                let of_density = DISTANCE + RELATIVE + shape + 2;
+                match parameters.pressure_solver {
+                    // p / rho^2 and the compression.
+                    PressureSolver::WeaklyCompressible => {
+                        Self { per_particle: of_pressure(parameters) + 2 + 7, per_pair: of_density }
+                    }
+                    // The system's diagonal and the compression.
+                    PressureSolver::DivergenceFree(_) => {
+                        Self { per_particle: 9 + 7, per_pair: of_density + slope + ADD_VECTOR + 4 }
+                    }
+                }
+            }
             StageKind::Acceleration => {
                 let (artificial, physical) =
                     (parameters.artificial_viscosity > 0.0, parameters.dynamic_viscosity > 0.0);
@@ -66,6 +75,11 @@ impl Work {
                 Self { per_particle: ADD_VECTOR + 2 * 6, per_pair }
             }
             StageKind::Integrate => Self { per_particle: 2 * ADD_VECTOR, per_pair: 0 },
+            // Of one iteration: a sum as that of pressures, one of rates, and the next pressure.
+            StageKind::DivergenceSolve | StageKind::DensitySolve => {
+                let per_pair = 2 * (DISTANCE + RELATIVE + slope + 2 + ADD_VECTOR) + 2;
+                Self { per_particle: ADD_VECTOR + 14, per_pair }
+            }
             StageKind::BodySort | StageKind::BodyLoad | StageKind::StepControl | StageKind::BodyMotion => {
                 Self::default()
             }

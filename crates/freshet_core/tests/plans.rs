@@ -566,3 +566,74 @@ fn what_starts_in_a_wall_is_left_out_by_volume() {
     assert!((nearest - 0.05).abs() < 1e-5, "{nearest}");
     assert!(Plan::new(&dam_break()).unwrap().left_out.is_empty());
 }
+
+fn incompressible(solver: DivergenceFree) -> FluidScene {
+    let mut scene = dam_break();
+    scene.settings.pressure_solver = PressureSolver::DivergenceFree(solver);
+    scene
+}
+
+#[test]
+fn an_incompressible_fluid_has_its_solves_and_starts_under_the_pressure_of_water() {
+    use StageKind::{Acceleration, Density, DensitySolve, DivergenceSolve, Integrate, Sort, StepControl};
+    let plan = Plan::new(&incompressible(DivergenceFree::default())).unwrap();
+    assert_eq!(kinds(&plan), [Sort, Density, Acceleration, StepControl, DivergenceSolve, DensitySolve, Integrate]);
+    assert!(reason(&plan, DivergenceSolve).contains("0.001") && reason(&plan, DensitySolve).contains("200"));
+    let text = plan.to_string();
+    assert!(text.contains("incompressible, relaxation") && !text.contains("tait"), "{text}");
+    // On the lattice, and rho g (depth) over rho^2.
+    assert!(plan.positions.iter().all(|x| (x * 10.0 - 0.5).fract().abs().max_element() < 1e-3));
+    for (position, pressure) in plan.positions.iter().zip(&plan.pressures) {
+        assert!((pressure - 9.81 * (1.0 - position.y) / 1000.0).abs() < 1e-6, "{pressure} at {position}");
+    }
+    let mut loose = incompressible(DivergenceFree::default());
+    loose.volumes[0].hydrostatic = false;
+    assert!(Plan::new(&loose).unwrap().pressures.iter().all(|&pressure| pressure == 0.0));
+    assert!(Plan::new(&dam_break()).unwrap().pressures.is_empty());
+}
+
+#[test]
+fn the_substep_of_an_incompressible_fluid() {
+    let parameters = Plan::new(&incompressible(DivergenceFree::default())).unwrap().parameters;
+    // 0.4 d over the speed; what falls from rest; 0.7 of 2 / omega, with 3.0758 = 2 / 0.6502 for Wendland C2 at 2 d.
+    assert!(near(parameters.incompressible_limit(4.0, 0.0, 0.0), 0.01));
+    assert!(near(
+        parameters.incompressible_limit(0.0, 9.81, 0.0),
+        (0.04f64 / 9.81).sqrt().min(parameters.viscous_limit().into())
+    ));
+    let by_pressure = f64::from(parameters.incompressible_limit(0.0, 0.0, 9.81));
+    assert!((by_pressure / (0.7 * 0.6502 * 0.1 / 9.81f64.sqrt()) - 1.0).abs() < 1e-2, "{by_pressure}");
+    assert!(near(parameters.relaxation, 0.88 / 2.605) || (parameters.relaxation - 0.338).abs() < 0.002);
+}
+
+#[test]
+fn what_an_incompressible_fluid_cannot_have_is_refused() {
+    let with = |change: fn(&mut FluidScene)| {
+        let mut scene = incompressible(DivergenceFree::default());
+        change(&mut scene);
+        refused(&scene)
+    };
+    let only = "with the weakly compressible settings.pressure_solver only";
+    let tait = |scene: &mut FluidScene| {
+        scene.settings.equation_of_state = Some(EquationOfState::Tait { sound_speed: 90.0, exponent: 7.0 });
+    };
+    for (message, words) in [
+        (with(tait), ["settings.equation_of_state", "tait", only]),
+        (with(|scene| scene.settings.clamp_negative_pressure = false), ["clamp_negative_pressure", "false", only]),
+        (with(|scene| scene.settings.near_pressure = 0.01), ["settings.near_pressure", "0.01", only]),
+        (with(|scene| scene.bodies.push(cork())), ["settings.pressure_solver", "1 bodies", "WeaklyCompressible"]),
+    ] {
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    }
+    let default = DivergenceFree::default();
+    for (solver, words) in [
+        (DivergenceFree { compression: f32::NAN, ..default }, ["pressure_solver.compression", "NaN", "0.1"]),
+        (DivergenceFree { compression: 0.0, ..default }, ["pressure_solver.compression", "0", "0.1"]),
+        (DivergenceFree { divergence: 0.5, ..default }, ["pressure_solver.divergence", "0.5", "0.1"]),
+        (DivergenceFree { max_iterations: 0, ..default }, ["pressure_solver.max_iterations", "0", "1 to 10000"]),
+        (DivergenceFree { max_iterations: 20_000, ..default }, ["max_iterations", "20000", "1 to 10000"]),
+    ] {
+        let message = refused(&incompressible(solver));
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    }
+}

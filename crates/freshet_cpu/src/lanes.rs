@@ -31,6 +31,15 @@ pub fn squared_length<S: Simd>(simd: S, [x, y, z]: [S::f32s; 3]) -> S::f32s {
     simd.mul_add_f32s(z, z, simd.mul_add_f32s(y, y, simd.mul_add_f32s(x, x, tiny)))
 }
 
+/// `x_ab` and its square, between a particle and lanes of others.
+#[inline(always)]
+pub fn difference<S: Simd>(simd: S, own: [f32; 3], other: [S::f32s; 3]) -> ([S::f32s; 3], S::f32s) {
+    let dx = simd.sub_f32s(simd.splat_f32s(own[0]), other[0]);
+    let dy = simd.sub_f32s(simd.splat_f32s(own[1]), other[1]);
+    let dz = simd.sub_f32s(simd.splat_f32s(own[2]), other[2]);
+    ([dx, dy, dz], squared_length(simd, [dx, dy, dz]))
+}
+
 /// A factor times the square root of positive values, to single precision.
 ///
 /// With AVX-512 the reciprocal estimate and one Newton step, which takes in the factor: the exact instruction takes twelve

@@ -18,6 +18,8 @@ pub struct Particles {
     pub velocity: [Vec<f32>; 3],
     /// Remaining lifetimes, s.
     pub life: Vec<f32>,
+    /// `p / rho^2` of the last substep, m5/(kg s2), if the next one [starts from it](Particles::keep_pressures); empty otherwise.
+    pub pressure: Vec<f32>,
 }
 
 impl Particles {
@@ -28,6 +30,18 @@ impl Particles {
         for values in self.reals_mut() {
             values.resize(len + PADDING, 0.0);
         }
+    }
+
+    /// Makes pressures part of the state, zero at first, or not.
+    pub fn keep_pressures(&mut self, keep: bool) {
+        if keep != self.keeps_pressures() {
+            self.pressure = vec![0.0; if keep { self.len + PADDING } else { 0 }];
+        }
+    }
+
+    /// Whether pressures are part of the state.
+    pub fn keeps_pressures(&self) -> bool {
+        !self.pressure.is_empty()
     }
 
     /// Adds a particle.
@@ -81,10 +95,11 @@ impl Particles {
     }
 
     fn reals(&self) -> impl Iterator<Item = &Vec<f32>> {
-        self.position.iter().chain(&self.velocity).chain(std::iter::once(&self.life))
+        self.position.iter().chain(&self.velocity).chain([&self.life, &self.pressure])
     }
 
     fn reals_mut(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
-        self.position.iter_mut().chain(&mut self.velocity).chain(std::iter::once(&mut self.life))
+        let pressure = Some(&mut self.pressure).filter(|pressure| !pressure.is_empty());
+        self.position.iter_mut().chain(&mut self.velocity).chain([&mut self.life]).chain(pressure)
     }
 }

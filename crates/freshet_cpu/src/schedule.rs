@@ -24,10 +24,13 @@ fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
     let bytes_per_particle = match stage {
         // Key and order written and read, 32 bytes read and written.
         StageKind::Sort => 4 * 4 + 2 * 32,
-        // Position read, density and pressure term written.
+        // Position read, density and pressure term or diagonal written.
         StageKind::Density => 12 + 8,
         // Position and pressure term read, with viscosity also velocity and density; acceleration written.
         StageKind::Acceleration => 12 + 4 + if viscous { 16 } else { 0 } + 12,
+        // Of one iteration: position and change of pressure read, acceleration written; position and acceleration read, four
+        // values of the iteration read, four written.
+        StageKind::DivergenceSolve | StageKind::DensitySolve => 16 + 12 + 24 + 16 + 16,
         // Position and pressure term read near the bodies.
         StageKind::BodyLoad => 16,
         // Position, velocity and acceleration read, position and velocity written.

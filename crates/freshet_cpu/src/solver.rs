@@ -1,5 +1,6 @@
 //! The solver: owns the state and runs the plan's stages.
 
+mod solves;
 mod stages;
 
 use std::ops::Range;
@@ -9,12 +10,14 @@ use std::time::{Duration, Instant};
 use freshet_core::field::{Field, FieldData};
 use freshet_core::kernel::Kernel;
 use freshet_core::plan::{Plan, StageKind};
+use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
 use freshet_core::solid::Misplaced;
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
 use freshet_core::step::{PassTime, StepInput, StepReport};
 use glam::Vec3;
 
+use self::solves::{PressureSolve, Solved};
 use crate::candidates::Candidates;
 use crate::lanes::PADDING;
 use crate::particles::Particles;
@@ -62,8 +65,13 @@ pub struct CpuSolver {
     /// Of each thread.
     workspaces: Vec<Workspace>,
     density: Vec<f32>,
+    /// Of plans whose pressures follow from densities.
     pressure_term: Vec<f32>,
     acceleration: [Vec<f32>; 3],
+    /// Of plans whose pressures are solved for.
+    solve: PressureSolve,
+    /// Length of the last substep, s; zero if there was none.
+    last_substep: f32,
     walls: SortedSamples,
     body_samples: BodySamples,
     bodies: Vec<MovingBody>,
@@ -95,11 +103,20 @@ struct Tally {
     mean_compression: f32,
     max_compression: f32,
     max_speed: f32,
+    divergence_iterations: u32,
+    density_iterations: u32,
+    unsolved: u32,
     dropped: Dropped,
     times: Vec<(&'static str, Duration)>,
 }
 
 impl Tally {
+    /// The iterations of a solve; remembers whether it was in vain.
+    fn count(&mut self, solved: Solved) -> u32 {
+        self.unsolved += u32::from(!solved.converged);
+        solved.iterations
+    }
+
     fn timed<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
         let begin = Instant::now();
         let result = work();
@@ -140,6 +157,8 @@ impl CpuSolver {
             density: Vec::new(),
             pressure_term: Vec::new(),
             acceleration: Default::default(),
+            solve: PressureSolve::default(),
+            last_substep: 0.0,
             walls: SortedSamples::default(),
             body_samples: BodySamples::default(),
             workers,
@@ -160,6 +179,9 @@ impl CpuSolver {
             plan,
         };
         solver.take_plan();
+        for (pressure, &start) in solver.particles.pressure.iter_mut().zip(&solver.plan.pressures) {
+            *pressure = start;
+        }
         Ok(solver)
     }
 
@@ -171,6 +193,15 @@ impl CpuSolver {
     /// Number of threads.
     pub fn threads(&self) -> usize {
         self.workers.threads()
+    }
+
+    /// `p / rho^2` of each particle.
+    fn pressure_terms(&self) -> &[f32] {
+        if self.particles.keeps_pressures() { &self.particles.pressure } else { &self.pressure_term }
+    }
+
+    fn pressure_terms_mut(&mut self) -> &mut Vec<f32> {
+        if self.plan.has(StageKind::DivergenceSolve) { &mut self.particles.pressure } else { &mut self.pressure_term }
     }
 
     /// What follows from the plan and is not state.
@@ -187,6 +218,14 @@ impl CpuSolver {
         }
         self.body_samples = BodySamples::default();
         self.candidates = Vec::new();
+        self.solve = PressureSolve::default();
+        let solves = self.plan.has(StageKind::DivergenceSolve);
+        if solves != self.particles.keeps_pressures() {
+            // Pressures are elsewhere from here on, and are not read before there are any.
+            self.pressure_term = Vec::new();
+            self.density.clear();
+            self.particles.keep_pressures(solves);
+        }
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
         self.workspaces = self.workers.spaces();
         self.bodies = Vec::new();
@@ -214,6 +253,9 @@ impl CpuSolver {
                 false,
             ),
         ];
+        if self.solve.bytes() > 0 {
+            self.schedule.buffers.push(schedule::buffer("pressure_solve", self.solve.bytes(), true));
+        }
         if !self.walls.is_empty() {
             self.schedule.buffers.push(schedule::buffer("walls", self.walls.bytes(), false));
         }
@@ -313,6 +355,9 @@ impl CpuSolver {
         report.mean_compression = tally.mean_compression;
         report.max_compression = tally.max_compression;
         report.max_speed = tally.max_speed;
+        report.divergence_iterations = tally.divergence_iterations;
+        report.density_iterations = tally.density_iterations;
+        report.unsolved = tally.unsolved;
         report.removed = tally.dropped.removed;
         // Those misplaced fell out with the others, at the first sort.
         report.retired = tally.dropped.retired.saturating_sub(report.inside_solids + report.beside_solids);
@@ -340,8 +385,21 @@ impl CpuSolver {
         if self.plan.has(StageKind::BodyLoad) {
             tally.timed("body_load", || self.body_load_stage());
         }
-        let dt = tally
-            .timed("step_control", || step_control::substep(&self.plan.parameters, &maxima, &self.bodies, remaining));
+        let dt = tally.timed("step_control", || {
+            step_control::substep(&self.plan.parameters, &maxima, &self.bodies, self.gravity, remaining)
+        });
+        if let PressureSolver::DivergenceFree(solver) = self.plan.parameters.pressure_solver
+            && dt > 0.0
+        {
+            let way = (maxima.speed_squared.sqrt() * dt / self.plan.parameters.longest_way()).min(1.0);
+            let solved = tally.timed("divergence_solve", || self.divergence_solve_stage(&solver, dt, way));
+            let iterations = tally.count(solved);
+            tally.divergence_iterations += iterations;
+            let solved = tally.timed("density_solve", || self.density_solve_stage(&solver, dt, way));
+            let iterations = tally.count(solved);
+            tally.density_iterations += iterations;
+            self.last_substep = dt;
+        }
         tally.timed("body_motion", || {
             for (body, &(force, torque)) in self.bodies.iter_mut().zip(&self.loads) {
                 body.advance(force, torque, dt);
@@ -387,9 +445,10 @@ impl FluidSolver for CpuSolver {
             Field::Position => FieldData::Vector((0..live).map(|i| particles.position_of(i)).collect()),
             Field::Velocity => FieldData::Vector((0..live).map(|i| particles.velocity_of(i)).collect()),
             Field::Density => FieldData::Scalar(self.density[..live].to_vec()),
-            Field::Pressure => FieldData::Scalar(
-                (0..live).map(|i| self.pressure_term[i] * self.density[i] * self.density[i]).collect(),
-            ),
+            Field::Pressure => {
+                let terms = self.pressure_terms();
+                FieldData::Scalar((0..live).map(|i| terms[i] * self.density[i] * self.density[i]).collect())
+            }
             Field::Acceleration => FieldData::Vector(
                 (0..live)
                     .map(|i| Vec3::new(self.acceleration[0][i], self.acceleration[1][i], self.acceleration[2][i]))
@@ -414,6 +473,11 @@ impl FluidSolver for CpuSolver {
             positions: order.iter().map(|&i| self.particles.position_of(i)).collect(),
             velocities: order.iter().map(|&i| self.particles.velocity_of(i)).collect(),
             remaining_lives: order.iter().map(|&i| self.particles.life[i]).collect(),
+            pressures: match self.particles.keeps_pressures() {
+                true => order.iter().map(|&i| self.particles.pressure[i]).collect(),
+                false => Vec::new(),
+            },
+            last_substep: self.last_substep,
             exchanges: self.exchanges.clone(),
             poses: self.poses.clone(),
         })
@@ -428,6 +492,11 @@ impl FluidSolver for CpuSolver {
             particles.push(snapshot.ids[i], position, velocity, snapshot.remaining_lives[i]);
         }
         self.mortal = snapshot.remaining_lives.iter().any(|life| life.is_finite());
+        particles.keep_pressures(self.plan.has(StageKind::DivergenceSolve));
+        if particles.keeps_pressures() {
+            particles.pressure[..snapshot.pressures.len()].copy_from_slice(&snapshot.pressures);
+        }
+        self.last_substep = snapshot.last_substep;
         self.particles = particles;
         self.density.clear();
         self.next_tick = snapshot.tick;

@@ -47,6 +47,12 @@ impl<V: Cut, const N: usize> Cut for [V; N] {
     }
 }
 
+impl<V: Cut> Cut for Option<V> {
+    fn cut(&mut self, count: usize) -> Self {
+        self.as_mut().map(|values| values.cut(count))
+    }
+}
+
 impl<A: Cut, B: Cut> Cut for (A, B) {
     fn cut(&mut self, count: usize) -> Self {
         (self.0.cut(count), self.1.cut(count))
@@ -131,6 +137,12 @@ pub trait Total: Default + Send {
 
 impl Total for () {
     fn and(self, (): ()) {}
+}
+
+impl Total for u64 {
+    fn and(self, other: Self) -> Self {
+        self + other
+    }
 }
 
 #[cfg(test)]

@@ -11,6 +11,8 @@ pub struct Workspace {
     pub places: Packed<3>,
     /// With a pressure term or a volume.
     pub calm: Packed<4>,
+    /// With a motion.
+    pub moving: Packed<6>,
     /// Samples that drag by artificial viscosity.
     pub dragging: Packed<5>,
     /// Samples that drag by a physical viscosity.
@@ -28,8 +30,9 @@ pub struct Workspace {
 impl Workspace {
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
-        let Self { places, calm, dragging, sticking, viscous, sums, wall_sums, candidates } = self;
-        let packed = places.bytes() + calm.bytes() + dragging.bytes() + sticking.bytes() + viscous.bytes();
+        let Self { places, calm, moving, dragging, sticking, viscous, sums, wall_sums, candidates } = self;
+        let packed =
+            places.bytes() + calm.bytes() + moving.bytes() + dragging.bytes() + sticking.bytes() + viscous.bytes();
         packed + sums.bytes() + wall_sums.bytes() + candidates.bytes()
     }
 }

@@ -73,7 +73,13 @@ fn substeps_allocate_nothing() {
     };
     let samples = tank.wall_layer().unwrap().sphere_surface(0.1).unwrap();
     let body = Body { name: "ball".to_owned(), samples, ..Body::default() };
+    let mut incompressible = tank.clone();
+    incompressible.settings.pressure_solver = PressureSolver::DivergenceFree(DivergenceFree::default());
+    // So viscous that a tick has several substeps.
+    incompressible.settings.viscous_factor = 0.01;
+    incompressible.settings.artificial_viscosity = 0.3;
     let with_body = FluidScene { bodies: vec![body], ..tank.clone() };
+    compare(&incompressible, 2, "a tank of incompressible fluid");
     for threads in [1, 2, 3] {
         compare(&tank, threads, "a tank");
         compare(&with_body, threads, "a tank and a ball");

@@ -198,6 +198,8 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let pass = pass("step_control", passes::STEP_CONTROL, Arguments::Particles, &uses);
             vec![Pass { dispatch: Dispatch::Single, ..pass }]
         }
+        // Plans with these are refused by `shader::definitions`.
+        StageKind::DivergenceSolve | StageKind::DensitySolve => Vec::new(),
         StageKind::BodyMotion => vec![pass(
             "body_motion",
             passes::BODY_MOTION,

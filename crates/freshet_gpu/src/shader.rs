@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::kernel::KernelKind;
 use freshet_core::plan::Plan;
+use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::SolverError;
 use freshet_shaders::library;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
@@ -65,6 +66,13 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         }
     }
     set(kernel_definition(parameters.kernel)?);
+    if let PressureSolver::DivergenceFree(_) = parameters.pressure_solver {
+        return Err(SolverError::Unsupported {
+            backend: "gpu",
+            what: "settings.pressure_solver DivergenceFree".to_owned(),
+            reason: "it has no passes for it yet; use the CPU, or WeaklyCompressible".to_owned(),
+        });
+    }
     match parameters.pressure_law.equation {
         EquationOfState::IdealGas { .. } => set("EQUATION_IDEAL_GAS"),
         EquationOfState::Tait { exponent, .. } => {

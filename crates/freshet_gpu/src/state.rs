@@ -94,6 +94,9 @@ impl GpuSolver {
             positions: particles.iter().map(|particle| particle.position).collect(),
             velocities: particles.iter().map(|particle| particle.velocity).collect(),
             remaining_lives: particles.iter().map(|particle| particle.remaining_life).collect(),
+            // Of solvers that the GPU has not got yet.
+            pressures: Vec::new(),
+            last_substep: 0.0,
             exchanges: bodies.iter().map(|body| body.exchanges.map(Exchange::from)).collect(),
             poses: bodies.iter().map(pose_of).collect(),
         })

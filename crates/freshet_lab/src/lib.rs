@@ -10,6 +10,7 @@ pub mod commands;
 pub mod drive;
 pub mod error;
 pub mod measure;
+pub mod method;
 pub mod options;
 pub mod output;
 pub mod progress;

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::kernel::KernelKind;
+use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::scene::{Settings, Support};
 
 /// How a fluid is simulated. The defaults are those of every chart and benchmark of Freshet.
@@ -13,6 +14,8 @@ pub struct FluidSettings {
     pub kernel: FluidKernel,
     /// Reach of the kernel over the spacing, 1.5 to 4.
     pub support_ratio: f32,
+    /// How pressure is found.
+    pub pressure_solver: FluidPressureSolver,
     /// Pressure as a function of density; none takes Tait's with the sound speed.
     pub equation_of_state: Option<FluidEquationOfState>,
     /// Whether negative pressures are set to zero, so that fluid does not pull at itself.
@@ -50,6 +53,7 @@ impl FluidSettings {
         Self {
             kernel: settings.kernel.into(),
             support_ratio,
+            pressure_solver: settings.pressure_solver.into(),
             equation_of_state: settings.equation_of_state.map(Into::into),
             clamp_negative_pressure: settings.clamp_negative_pressure,
             sound_speed: settings.sound_speed,
@@ -69,6 +73,7 @@ impl FluidSettings {
         Settings {
             kernel: self.kernel.into(),
             support: Support::Ratio(self.support_ratio),
+            pressure_solver: self.pressure_solver.into(),
             equation_of_state: self.equation_of_state.map(Into::into),
             clamp_negative_pressure: self.clamp_negative_pressure,
             sound_speed: self.sound_speed,
@@ -81,6 +86,54 @@ impl FluidSettings {
             viscous_factor: self.viscous_factor,
             bounds: self.bounds,
             ..Settings::default()
+        }
+    }
+}
+
+/// How pressure is found; methods and sources stand at [`PressureSolver`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidPressureSolver {
+    /// From the density, by an equation of state, in many cheap substeps.
+    #[default]
+    WeaklyCompressible,
+    /// Such that the fluid is not compressed, in few substeps of some iterations: several times as fast, and calmer, but not with
+    /// bodies yet, and on the CPU backend only.
+    DivergenceFree {
+        /// Mean compression with which positions are left as they are, 1e-6 to 0.1.
+        compression: f32,
+        /// Mean change of density in a substep at which iterations end, 1e-6 to 0.1.
+        divergence: f32,
+        /// Most iterations of a solve, 1 to 10,000.
+        max_iterations: u32,
+    },
+}
+
+impl FluidPressureSolver {
+    /// Divergence-free SPH with the tolerances of Freshet's charts.
+    pub fn divergence_free() -> Self {
+        PressureSolver::DivergenceFree(DivergenceFree::default()).into()
+    }
+}
+
+impl From<FluidPressureSolver> for PressureSolver {
+    fn from(solver: FluidPressureSolver) -> Self {
+        match solver {
+            FluidPressureSolver::WeaklyCompressible => Self::WeaklyCompressible,
+            FluidPressureSolver::DivergenceFree { compression, divergence, max_iterations } => {
+                Self::DivergenceFree(DivergenceFree { compression, divergence, max_iterations })
+            }
+        }
+    }
+}
+
+impl From<PressureSolver> for FluidPressureSolver {
+    fn from(solver: PressureSolver) -> Self {
+        match solver {
+            PressureSolver::WeaklyCompressible => Self::WeaklyCompressible,
+            PressureSolver::DivergenceFree(DivergenceFree { compression, divergence, max_iterations }) => {
+                Self::DivergenceFree { compression, divergence, max_iterations }
+            }
         }
     }
 }

@@ -33,6 +33,10 @@ pub struct FluidStats {
     pub max_compression: f32,
     /// Largest speed, m/s.
     pub max_speed: f32,
+    /// Iterations of the tick's pressure solves, of velocities and of positions; zero for a weakly compressible fluid.
+    pub iterations: [u32; 2],
+    /// Pressure solves so far that ended at their most iterations.
+    pub unsolved: u64,
     /// Particles removed so far because they left the bounds or were not finite.
     pub removed: u64,
     /// Particles retired so far because their lifetime was over or they were told to.

@@ -89,6 +89,8 @@ fn take_report(
     stats.mean_compression = report.mean_compression;
     stats.max_compression = report.max_compression;
     stats.max_speed = report.max_speed;
+    stats.iterations = [report.divergence_iterations, report.density_iterations];
+    stats.unsolved += u64::from(report.unsolved);
     stats.removed += u64::from(report.removed);
     stats.retired += u64::from(report.retired);
     stats.refused += u64::from(report.refused);

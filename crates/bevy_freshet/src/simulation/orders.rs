@@ -113,8 +113,16 @@ fn left_out(plan: &Plan, recipe: &Recipe) -> Vec<Problem> {
 
 /// A plan as it is kept and compared: the particles of its start are with the solver, notes are for the user.
 fn without_particles(plan: &Plan) -> Plan {
-    let (positions, velocities) = (Vec::new(), Vec::new());
-    Plan { positions, velocities, volume_ids: Vec::new(), left_out: Vec::new(), notes: Vec::new(), ..plan.clone() }
+    let (positions, velocities, pressures) = (Vec::new(), Vec::new(), Vec::new());
+    Plan {
+        positions,
+        velocities,
+        pressures,
+        volume_ids: Vec::new(),
+        left_out: Vec::new(),
+        notes: Vec::new(),
+        ..plan.clone()
+    }
 }
 
 /// The new scene holds new fluid only: room, bounds and lifetimes must serve the old as well.

@@ -73,8 +73,8 @@ impl Pours {
 
     /// Whether a tick that is not known has particles of volumes: those of the start, or poured into the fluid.
     pub(crate) fn made_by(&self, tick: u64) -> bool {
-        let spawned = self.spawned.iter().take_while(|spawned| spawned.tick <= tick);
-        tick == 0 || spawned.into_iter().any(|spawned| spawned.owner.is_some())
+        let mut spawned = self.spawned.iter().take_while(|spawned| spawned.tick <= tick);
+        tick == 0 || spawned.any(|spawned| spawned.owner.is_some())
     }
 
     /// Learns the ids of a tick's particles; returns what removes those whose volume has gone meanwhile.

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::Plan;
 use crate::periodic::AXES;
+use crate::pressure_solver::PressureSolver;
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -30,18 +31,34 @@ impl fmt::Display for Plan {
             self.bodies.len(),
             self.body_samples()
         )?;
-        writeln!(
-            f,
-            "  {} with sound speed {:.3} m/s{}; alpha {}; step factors {} {} {}; first limit {:.3e} s",
-            p.pressure_law.equation.name(),
-            p.sound_speed,
-            if p.pressure_law.clamp_negative { ", clamped at zero" } else { "" },
-            p.artificial_viscosity,
-            p.courant_factor,
-            p.force_factor,
-            p.viscous_factor,
-            p.substep_limit(0.0, p.gravity.length())
-        )?;
+        match p.pressure_solver {
+            PressureSolver::WeaklyCompressible => writeln!(
+                f,
+                "  {} with sound speed {:.3} m/s{}; alpha {}; step factors {} {} {}; first limit {:.3e} s",
+                p.pressure_law.equation.name(),
+                p.sound_speed,
+                if p.pressure_law.clamp_negative { ", clamped at zero" } else { "" },
+                p.artificial_viscosity,
+                p.courant_factor,
+                p.force_factor,
+                p.viscous_factor,
+                p.substep_limit(0.0, p.gravity.length())
+            )?,
+            PressureSolver::DivergenceFree(_) => writeln!(
+                f,
+                "  incompressible, relaxation {:.3}; alpha {} with {:.3} m/s; step factors {} {}; first limit {:.3e} s",
+                p.relaxation,
+                p.artificial_viscosity,
+                p.sound_speed,
+                p.courant_factor,
+                p.viscous_factor,
+                p.incompressible_limit(
+                    0.0,
+                    p.gravity.length(),
+                    self.pressures.iter().fold(0.0, |most, &pressure| pressure.max(most)) * p.rest_density
+                )
+            )?,
+        }
         if p.near_pressure > 0.0 {
             writeln!(f, "  near pressure {} m2/s2 times the density", p.near_pressure)?;
         }
@@ -56,7 +73,7 @@ impl fmt::Display for Plan {
         let cells = self.grid.dimensions();
         writeln!(f, "  wrapped grid of {} x {} x {} cells", cells.x, cells.y, cells.z)?;
         for stage in &self.stages {
-            writeln!(f, "  stage {:<13} {}", stage.kind.name(), stage.reason)?;
+            writeln!(f, "  stage {:<16} {}", stage.kind.name(), stage.reason)?;
         }
         for note in &self.notes {
             writeln!(f, "  note  {note}")?;

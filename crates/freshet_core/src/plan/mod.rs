@@ -21,11 +21,13 @@ pub use self::parameters::Parameters;
 pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_volume};
 pub use self::stages::{Stage, StageKind};
 
-use self::checks::{check_bounds, check_driven, check_particles_within, check_periods, check_precision, max_particles};
+use self::checks::{
+    check_bounds, check_driven, check_particles_within, check_periods, check_precision, check_solver, max_particles,
+};
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
 use self::resolution::{kernel_of, spacing_of};
-use self::sampling::{plan_body, sample_boundaries, sample_volumes, stand};
+use self::sampling::{bear, plan_body, sample_boundaries, sample_volumes, stand};
 use self::speeds::{equation_and_sound_speed, expected_speed};
 use self::stages::stages;
 use crate::emitter::Emitter;
@@ -33,6 +35,7 @@ use crate::equation_of_state::PressureLaw;
 use crate::error::{InvalidInput, check_range};
 use crate::field::Field;
 use crate::grid::Grid;
+use crate::pressure_solver::{DivergenceFree, PressureSolver, largest_eigenvalue, pressure_frequency};
 use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{FluidScene, MAX_SPACING, MIN_SPACING};
 
@@ -53,6 +56,9 @@ pub struct Plan {
     pub positions: Vec<Vec3>,
     /// Velocities they start with, m/s.
     pub velocities: Vec<Vec3>,
+    /// `p / rho^2` that an incompressible fluid starts its first solve from, m5/(kg s2): that of water standing in each volume that
+    /// is [hydrostatic](crate::scene::Volume::hydrostatic). Empty for other plans.
+    pub pressures: Vec<f32>,
     /// For each volume of the scene, its first id and its number of particles.
     pub volume_ids: Vec<(u32, u32)>,
     /// What the volumes have inside of walls, which is none of the above: for each pair of a volume and a boundary, in the order
@@ -94,6 +100,7 @@ impl Plan {
         let periodic = scene.periodic;
         check_periods(&periodic, support_radius)?;
         check_driven(scene)?;
+        check_solver(scene)?;
 
         for (index, emitter) in scene.emitters.iter().enumerate() {
             emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;
@@ -145,12 +152,24 @@ impl Plan {
         }
         notes.push(format!("expected speed {expected_speed:.3} m/s: {speed_reason}"));
 
+        let incompressible = matches!(settings.pressure_solver, PressureSolver::DivergenceFree(_));
+        let mut pressures = vec![0.0; if incompressible { positions.len() } else { 0 }];
         for (volume, &(first, count)) in scene.volumes.iter().zip(&volume_ids) {
             if volume.hydrostatic {
                 let range = first as usize..(first + count) as usize;
-                stand(&mut positions[range], periodic.across(scene.gravity), sound_speed, spacing);
+                let down = periodic.across(scene.gravity);
+                if incompressible {
+                    bear(&mut pressures[range.clone()], &positions[range], down, rest_density, spacing);
+                } else {
+                    stand(&mut positions[range], down, sound_speed, spacing);
+                }
             }
         }
+        // Lattice sums that no other plan needs.
+        let (eigenvalue, pressure_frequency) = match incompressible {
+            true => (largest_eigenvalue(&kernel, spacing) as f32, pressure_frequency(&kernel, spacing) as f32),
+            false => (1.0, 0.0),
+        };
         for position in &mut positions {
             *position = periodic.wrap(*position);
         }
@@ -170,6 +189,9 @@ impl Plan {
             gradient_calibration: kernel.lattice_gradient_sum(spacing) as f32,
             boundary_gamma: layer.gamma,
             boundary_depth: layer.depth,
+            pressure_solver: settings.pressure_solver,
+            relaxation: DivergenceFree::RELAXATION / eigenvalue,
+            pressure_frequency,
             pressure_law: PressureLaw { equation, clamp_negative: settings.clamp_negative_pressure },
             sound_speed,
             expected_speed,
@@ -196,6 +218,7 @@ impl Plan {
             grid: Grid::repeating(support_radius, extent.max - extent.min, periodic, max_particles),
             positions,
             velocities,
+            pressures,
             volume_ids,
             left_out,
             emitters: scene.emitters.clone(),

@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::equation_of_state::PressureLaw;
 use crate::error::InvalidInput;
 use crate::kernel::{Kernel, KernelKind};
+use crate::pressure_solver::{DivergenceFree, PressureSolver};
 
 /// Every number the solvers use, derived once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +30,13 @@ pub struct Parameters {
     pub boundary_gamma: f32,
     /// How far behind the visible surface boundary samples lie, m, see [`WallLayer`](crate::sampling::wall_layer::WallLayer).
     pub boundary_depth: f32,
-    /// Pressure as a function of density.
+    /// How pressure is found.
+    pub pressure_solver: PressureSolver,
+    /// Share of a Jacobi step that a [`DivergenceFree`] solver takes; no unit.
+    pub relaxation: f32,
+    /// Frequency of particles under pressure, see [`pressure_frequency`](crate::pressure_solver::pressure_frequency); no unit.
+    pub pressure_frequency: f32,
+    /// Pressure as a function of density, if it is one.
     pub pressure_law: PressureLaw,
     /// Speed of sound at rest density, m/s.
     pub sound_speed: f32,
@@ -68,6 +75,23 @@ impl Parameters {
         let courant = self.courant_factor * h / (self.sound_speed + max_speed);
         let force = self.force_factor * (h / max_acceleration.max(1e-12)).sqrt();
         courant.min(force).min(self.viscous_limit())
+    }
+
+    /// The substep of an incompressible fluid: its fastest particle, with the speed it is expected to leave the substep with, goes no
+    /// farther than `0.4 d`, nor does any fall farther from rest by gravity (`sqrt(0.4 d/g)`); particles under the largest
+    /// `p / rho`, m2/s2, stay in their places ([`DivergenceFree::PRESSURE_FACTOR`]); and that of viscosity.
+    pub fn incompressible_limit(&self, max_speed: f32, gravity: f32, max_pressure: f32) -> f32 {
+        let way = self.longest_way();
+        let courant = way / max_speed.max(1e-12);
+        let fall = (way / gravity.max(1e-12)).sqrt();
+        let frequency = self.pressure_frequency * max_pressure.max(1e-12).sqrt() / self.spacing;
+        let pressure = 2.0 * DivergenceFree::PRESSURE_FACTOR / frequency.max(1e-12);
+        courant.min(fall).min(pressure).min(self.viscous_limit())
+    }
+
+    /// How far a particle of an incompressible fluid may go in a substep, m.
+    pub fn longest_way(&self) -> f32 {
+        self.courant_factor * self.spacing
     }
 
     /// The substep allowed by viscosity alone, s.

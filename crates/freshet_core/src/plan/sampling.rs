@@ -148,6 +148,15 @@ pub(super) fn stand(positions: &mut [Vec3], gravity: Vec3, sound_speed: f32, spa
     }
 }
 
+/// Gives the particles of an incompressible volume the pressure of water standing in it, as `p / rho^2`: `g depth / rho`.
+pub(super) fn bear(pressures: &mut [f32], positions: &[Vec3], gravity: Vec3, rest_density: f32, spacing: f32) {
+    let (g, up) = (gravity.length(), -gravity.normalize_or_zero());
+    let high = positions.iter().map(|position| position.dot(up)).fold(f32::NEG_INFINITY, f32::max) + 0.5 * spacing;
+    for (pressure, position) in pressures.iter_mut().zip(positions) {
+        *pressure = g * (high - position.dot(up)) / rest_density;
+    }
+}
+
 /// Samples of one boundary at the depth of `layer`, in world coordinates.
 pub fn sample_boundary(boundary: &Boundary, layer: &WallLayer) -> Result<Vec<Vec3>, InvalidInput> {
     let local = match &boundary.shape {

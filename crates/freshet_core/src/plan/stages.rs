@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::sampling::PlannedBody;
+use crate::pressure_solver::PressureSolver;
 use crate::scene::FluidScene;
 use crate::viscosity::ViscosityModel;
 
@@ -21,6 +22,10 @@ pub enum StageKind {
     BodyLoad,
     /// Chooses the substep.
     StepControl,
+    /// Finds the pressures with which velocities do not compress the fluid.
+    DivergenceSolve,
+    /// Moves particles apart where the fluid is compressed.
+    DensitySolve,
     /// Moves the bodies by the fluid's force over the substep.
     BodyMotion,
     /// Moves the particles.
@@ -37,6 +42,8 @@ impl StageKind {
             StageKind::Acceleration => "acceleration",
             StageKind::BodyLoad => "body_load",
             StageKind::StepControl => "step_control",
+            StageKind::DivergenceSolve => "divergence_solve",
+            StageKind::DensitySolve => "density_solve",
             StageKind::BodyMotion => "body_motion",
             StageKind::Integrate => "integrate",
         }
@@ -60,28 +67,52 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     if !bodies.is_empty() {
         add(StageKind::BodySort, "the scene has bodies, which move");
     }
-    add(
-        StageKind::Density,
-        match (walls, bodies.is_empty()) {
-            (false, true) => "pressure follows from density (weakly compressible); fluid only",
-            (true, true) => "pressure follows from density (weakly compressible); fluid and walls",
-            (false, false) => "pressure follows from density (weakly compressible); fluid and bodies",
-            (true, false) => "pressure follows from density (weakly compressible); fluid, walls and bodies",
-        },
-    );
-    add(
-        StageKind::Acceleration,
-        match (scene.settings.artificial_viscosity > 0.0, scene.physical_viscosity()) {
-            (true, None) => "pressure, artificial viscosity and gravity",
-            (false, None) => "pressure and gravity; settings.artificial_viscosity is 0",
-            (true, Some(_)) => "pressure, artificial viscosity, the material's viscosity and gravity",
-            (false, Some(_)) => "pressure, the material's viscosity and gravity",
-        },
-    );
+    let incompressible = match scene.settings.pressure_solver {
+        PressureSolver::WeaklyCompressible => None,
+        PressureSolver::DivergenceFree(solver) => Some(solver),
+    };
+    let others = match (walls, bodies.is_empty()) {
+        (false, true) => "fluid only",
+        (true, true) => "fluid and walls",
+        (false, false) => "fluid and bodies",
+        (true, false) => "fluid, walls and bodies",
+    };
+    let density = match incompressible {
+        None => "pressure follows from density (weakly compressible)",
+        Some(_) => "densities, and what each pressure changes of them",
+    };
+    add(StageKind::Density, &format!("{density}; {others}"));
+    let pressure = if incompressible.is_some() { "pressure of the last substep" } else { "pressure" };
+    let rest = match (scene.settings.artificial_viscosity > 0.0, scene.physical_viscosity()) {
+        (true, None) => ", artificial viscosity and gravity",
+        (false, None) => " and gravity; settings.artificial_viscosity is 0",
+        (true, Some(_)) => ", artificial viscosity, the material's viscosity and gravity",
+        (false, Some(_)) => ", the material's viscosity and gravity",
+    };
+    add(StageKind::Acceleration, &format!("{pressure}{rest}"));
     if !bodies.is_empty() {
         add(StageKind::BodyLoad, "the scene has bodies, which the fluid pushes");
     }
-    add(StageKind::StepControl, "substeps adapt to the fastest particle and the largest acceleration");
+    add(
+        StageKind::StepControl,
+        match incompressible {
+            None => "substeps adapt to the fastest particle and the largest acceleration",
+            Some(_) => "substeps adapt to the fastest particle and the largest pressure",
+        },
+    );
+    if let Some(solver) = incompressible {
+        let most = solver.max_iterations;
+        let divergence = format!(
+            "velocities compress nothing, to {} a substep on average; at most {most} iterations",
+            solver.divergence
+        );
+        add(StageKind::DivergenceSolve, &divergence);
+        let density = format!(
+            "positions are corrected to a mean compression of {}; at most {most} iterations",
+            solver.compression
+        );
+        add(StageKind::DensitySolve, &density);
+    }
     if !bodies.is_empty() {
         add(StageKind::BodyMotion, "bodies answer within the tick");
     }

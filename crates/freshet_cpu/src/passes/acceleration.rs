@@ -12,7 +12,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::morris1997::{self, Viscosity};
 use crate::candidates::Candidates;
-use crate::lanes::{ScaledRoot, divide, minus_quotient, squared_length, sum_vector};
+use crate::lanes::{ScaledRoot, difference, divide, minus_quotient, sum_vector};
 use crate::packed::Packed;
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
@@ -52,6 +52,8 @@ pub struct Inputs<'a> {
     pub softening: f32,
     /// m/s2.
     pub gravity: Vec3,
+    /// How long, s, particles are to be moved on before their speeds are compared.
+    pub ahead: f32,
 }
 
 /// Accelerations of a chunk's particles.
@@ -68,13 +70,15 @@ pub struct Task<'a> {
     pub acceleration: [&'a mut [f32]; 3],
 }
 
-/// Largest values in a chunk, squared.
+/// Largest values in a chunk; speeds are those that particles have [ahead](Inputs::ahead).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Maxima {
     /// m2/s2.
     pub speed_squared: f32,
     /// m2/s4.
     pub acceleration_squared: f32,
+    /// `p / rho^2`, m5/(kg s2).
+    pub pressure_term: f32,
 }
 
 impl Total for Maxima {
@@ -82,6 +86,7 @@ impl Total for Maxima {
         Self {
             speed_squared: self.speed_squared.max(other.speed_squared),
             acceleration_squared: self.acceleration_squared.max(other.acceleration_squared),
+            pressure_term: self.pressure_term.max(other.pressure_term),
         }
     }
 }
@@ -171,7 +176,9 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for T
                 let at = i - chunk.particles.start;
                 (ax[at], ay[at], az[at]) = value.into();
                 maxima.acceleration_squared = maxima.acceleration_squared.max(value.length_squared());
-                maxima.speed_squared = maxima.speed_squared.max(inputs.particles.velocity_of(i).length_squared());
+                maxima.speed_squared =
+                    maxima.speed_squared.max((inputs.particles.velocity_of(i) + inputs.ahead * value).length_squared());
+                maxima.pressure_term = maxima.pressure_term.max(inputs.pressure_term[i]);
             }
         }
         maxima
@@ -376,15 +383,6 @@ impl<S: Simd> Pairs<S> {
     pub fn slope<K: SimdKernel>(self, simd: S, squared: S::f32s) -> S::f32s {
         K::slope_over_q(simd, simd.min_f32s(self.in_radii.of(simd, squared), simd.splat_f32s(1.0)))
     }
-}
-
-/// `x_ab` and its square, between a particle and lanes of others.
-#[inline(always)]
-pub fn difference<S: Simd>(simd: S, own: [f32; 3], other: [S::f32s; 3]) -> ([S::f32s; 3], S::f32s) {
-    let dx = simd.sub_f32s(simd.splat_f32s(own[0]), other[0]);
-    let dy = simd.sub_f32s(simd.splat_f32s(own[1]), other[1]);
-    let dz = simd.sub_f32s(simd.splat_f32s(own[2]), other[2]);
-    ([dx, dy, dz], squared_length(simd, [dx, dy, dz]))
 }
 
 #[inline(always)]

@@ -1,11 +1,15 @@
-//! Stage `density`: `rho_a = (1/S) (m sum_b W_ab + rho0 sum_k V_k W_ak)` and `P_a = p_a / rho_a^2`.
+//! Stage `density`: `rho_a = (1/S) (m sum_b W_ab + rho0 sum_k V_k W_ak)`, and what follows from it: `P_a = p_a / rho_a^2` by an
+//! equation of state, or of an incompressible fluid the diagonal of its
+//! [system](freshet_core::pressure_solver::DivergenceFree).
+
+use std::marker::PhantomData;
 
 use freshet_core::equation_of_state::PressureLaw;
 use freshet_core::grid::Grid;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::candidates::{Candidates, Near};
-use crate::lanes::{ScaledRoot, squared_length};
+use crate::lanes::{ScaledRoot, difference, squared_length, sum_vector};
 use crate::neighbours::Rows;
 use crate::packed::Packed;
 use crate::particles::Particles;
@@ -32,13 +36,27 @@ pub struct Inputs<'a> {
     pub fluid_factor: f32,
     /// Factor of samples, `rho0 A / (S H^3)`.
     pub sample_factor: f32,
-    /// Pressure as a function of density.
-    pub law: PressureLaw,
+    /// What is asked for beside densities.
+    pub second: Second,
     /// Density at rest, kg/m3.
     pub rest_density: f32,
 }
 
-/// Densities and pressure terms of a chunk's particles.
+/// What is asked for beside densities.
+#[derive(Clone, Copy)]
+pub enum Second {
+    /// `p / rho^2` by an equation of state, m5/(kg s2).
+    PressureTerm(PressureLaw),
+    /// `1/K_a` of the system of an incompressible fluid, in the unit of `p / rho^2` times s2; zero for a particle alone.
+    InverseDiagonal {
+        /// `(m A / H^5)^2 / (S G rho0)`.
+        factor: f32,
+        /// `rho0 / m`, 1/m3.
+        number_density: f32,
+    },
+}
+
+/// Densities of a chunk's particles, and what follows from them.
 pub struct Task<'a> {
     /// Shared inputs.
     pub inputs: Inputs<'a>,
@@ -50,8 +68,8 @@ pub struct Task<'a> {
     pub candidates: &'a mut Candidates,
     /// Result, kg/m3.
     pub density: &'a mut [f32],
-    /// Result, `p / rho^2`.
-    pub pressure_term: &'a mut [f32],
+    /// Result, see [`Second`].
+    pub second: &'a mut [f32],
 }
 
 /// Compression of a chunk.
@@ -73,18 +91,24 @@ impl WithKernel for Task<'_> {
     type Output = Compression;
 
     fn with<K: SimdKernel>(self, _: K) -> Compression {
-        self.inputs.arch.dispatch(Typed::<K>(self, std::marker::PhantomData))
+        let arch = self.inputs.arch;
+        match self.inputs.second {
+            Second::PressureTerm(law) => arch.dispatch(Compressible::<K>(self, law, PhantomData)),
+            Second::InverseDiagonal { factor, number_density } => {
+                arch.dispatch(Incompressible::<K>(self, [factor, number_density], PhantomData))
+            }
+        }
     }
 }
 
-struct Typed<'a, K>(Task<'a>, std::marker::PhantomData<K>);
+struct Compressible<'a, K>(Task<'a>, PressureLaw, PhantomData<K>);
 
-impl<K: SimdKernel> WithSimd for Typed<'_, K> {
+impl<K: SimdKernel> WithSimd for Compressible<'_, K> {
     type Output = Compression;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Compression {
-        let Task { inputs, chunk, workspace, candidates, density, pressure_term } = self.0;
+        let Task { inputs, chunk, workspace, candidates, density, second } = self.0;
         let [x, y, z] = &inputs.particles.position;
         let Workspace { places: fluid, calm: weighted, sums, .. } = workspace;
         fluid.begin(inputs.grid);
@@ -117,7 +141,111 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
                 *density = simd.reduce_sum_f32s(sum);
             }
         }
-        finish(&inputs, density, pressure_term)
+        pressure_terms(inputs.rest_density, self.1, density, second);
+        compression(inputs.rest_density, density)
+    }
+}
+
+struct Incompressible<'a, K>(Task<'a>, [f32; 2], PhantomData<K>);
+
+impl<K: SimdKernel> WithSimd for Incompressible<'_, K> {
+    type Output = Compression;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Compression {
+        let Task { inputs, chunk, workspace, candidates, density, second } = self.0;
+        let [factor, number_density] = self.1;
+        let [x, y, z] = &inputs.particles.position;
+        let Workspace { places: fluid, calm: weighted, sums, .. } = workspace;
+        fluid.begin(inputs.grid);
+        weighted.begin(inputs.grid);
+        let pairs = Pairs::new(simd, &inputs);
+        candidates.begin(inputs.grid);
+        for cell in chunk.cells.clone() {
+            let range = inputs.starts[cell] as usize..inputs.starts[cell + 1] as usize;
+            if range.is_empty() {
+                continue;
+            }
+            let near = Near::around([x, y, z], range.clone(), inputs.grid.cell_size);
+            let own = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
+            let (sums, _) = sums.zeroed::<S>(5 * range.len()).as_chunks_mut::<5>();
+            let rows = Rows::around(inputs.grid, inputs.starts, cell);
+            let list = candidates.add(simd, &rows, &near, [x, y, z]);
+            fluid.pack(simd, list, [x, y, z], own[0][0]);
+            add_fluid_gradients::<S, K>(simd, pairs, own, fluid, sums);
+            for samples in inputs.samples {
+                let rows = Rows::around(inputs.grid, &samples.starts, cell);
+                let [x, y, z] = &samples.position;
+                let list = candidates.add(simd, &rows, &near, [x, y, z]);
+                if !list.is_empty() {
+                    weighted.pack(simd, list, [x, y, z, &samples.volume], own[0][0]);
+                    add_sample_gradients::<S, K>(simd, pairs, own, weighted, number_density, sums);
+                }
+            }
+            let first = range.start - chunk.particles.start;
+            let results = density[first..first + range.len()].iter_mut().zip(&mut second[first..]);
+            for ((density, inverse), &[value, x, y, z, squares]) in results.zip(&*sums) {
+                *density = simd.reduce_sum_f32s(value);
+                let own = sum_vector(simd, [x, y, z]).length_squared();
+                let diagonal = factor * (own + simd.reduce_sum_f32s(squares));
+                *inverse = if diagonal > f32::MIN_POSITIVE { diagonal.recip() } else { 0.0 };
+            }
+        }
+        compression(inputs.rest_density, density)
+    }
+}
+
+/// As [`add_fluid`], with `sum_b f'(q)/q x_ab` and `sum_b |f'(q)/q x_ab|^2`.
+#[inline(always)]
+fn add_fluid_gradients<S: Simd, K: SimdKernel>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: [&[f32]; 3],
+    all: &Packed<3>,
+    sums: &mut [[S::f32s; 5]],
+) {
+    let mut first = 0;
+    while first < all.len() {
+        let other = all.lanes::<S>(first);
+        for (((sum, &x), &y), &z) in sums.iter_mut().zip(own[0]).zip(own[1]).zip(own[2]) {
+            let ([dx, dy, dz], squared) = difference(simd, [x, y, z], other);
+            let q = simd.min_f32s(pairs.in_radii.of(simd, squared), simd.splat_f32s(1.0));
+            let slope = K::slope_over_q(simd, q);
+            sum[0] = simd.mul_add_f32s(pairs.fluid_factor, K::shape(simd, q), sum[0]);
+            sum[1] = simd.mul_add_f32s(slope, dx, sum[1]);
+            sum[2] = simd.mul_add_f32s(slope, dy, sum[2]);
+            sum[3] = simd.mul_add_f32s(slope, dz, sum[3]);
+            sum[4] = simd.mul_add_f32s(simd.mul_f32s(slope, slope), squared, sum[4]);
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// As [`add_samples`], with `rho0/m sum_k V_k f'(q)/q x_ak`.
+#[inline(always)]
+fn add_sample_gradients<S: Simd, K: SimdKernel>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: [&[f32]; 3],
+    all: &Packed<4>,
+    number_density: f32,
+    sums: &mut [[S::f32s; 5]],
+) {
+    let mut first = 0;
+    while first < all.len() {
+        let [ox, oy, oz, volume] = all.lanes::<S>(first);
+        let weight = simd.mul_f32s(pairs.sample_factor, volume);
+        let share = simd.mul_f32s(simd.splat_f32s(number_density), volume);
+        for (((sum, &x), &y), &z) in sums.iter_mut().zip(own[0]).zip(own[1]).zip(own[2]) {
+            let ([dx, dy, dz], squared) = difference(simd, [x, y, z], [ox, oy, oz]);
+            let q = simd.min_f32s(pairs.in_radii.of(simd, squared), simd.splat_f32s(1.0));
+            let slope = simd.mul_f32s(share, K::slope_over_q(simd, q));
+            sum[0] = simd.mul_add_f32s(weight, K::shape(simd, q), sum[0]);
+            sum[1] = simd.mul_add_f32s(slope, dx, sum[1]);
+            sum[2] = simd.mul_add_f32s(slope, dy, sum[2]);
+            sum[3] = simd.mul_add_f32s(slope, dz, sum[3]);
+        }
+        first += S::F32_LANES;
     }
 }
 
@@ -192,18 +320,22 @@ impl<S: Simd> Pairs<S> {
     }
 }
 
-/// Pressure terms and compression from densities: loops without branches, which the compiler makes lanes of.
+/// Pressure terms from densities: a loop without branches, which the compiler makes lanes of.
 #[inline(always)]
-fn finish(inputs: &Inputs, density: &[f32], pressure_term: &mut [f32]) -> Compression {
-    let rest_density = f64::from(inputs.rest_density);
-    let law = inputs.law;
+fn pressure_terms(rest_density: f32, law: PressureLaw, density: &[f32], pressure_term: &mut [f32]) {
+    let rest_density = f64::from(rest_density);
     for (&density, term) in density.iter().zip(pressure_term) {
         *term = law.pressure(rest_density, f64::from(density)) as f32 / (density * density);
     }
+}
+
+/// Compression from densities, likewise.
+#[inline(always)]
+fn compression(rest_density: f32, density: &[f32]) -> Compression {
     // Bits of numbers that are not negative are in the order of the numbers.
     let (mut largest, mut sum) = (0u32, 0u64);
     for density in density {
-        let excess = (density / inputs.rest_density - 1.0).max(0.0);
+        let excess = (density / rest_density - 1.0).max(0.0);
         largest = largest.max(excess.to_bits());
         sum += u64::from((excess.min(1.0) * 1_048_576.0) as u32);
     }

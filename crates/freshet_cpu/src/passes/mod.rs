@@ -9,5 +9,6 @@ pub mod commands;
 pub mod density;
 pub mod integrate;
 pub mod morris1997;
+pub mod projection;
 pub mod sort;
 pub mod step_control;

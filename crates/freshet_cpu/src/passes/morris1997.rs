@@ -12,8 +12,8 @@
 use glam::Vec3;
 use pulp::Simd;
 
-use super::acceleration::{Own, Pairs, difference};
-use crate::lanes::divide;
+use super::acceleration::{Own, Pairs};
+use crate::lanes::{difference, divide};
 use crate::packed::Packed;
 use crate::simd_kernel::SimdKernel;
 

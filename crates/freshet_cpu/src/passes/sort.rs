@@ -155,6 +155,7 @@ impl Sorter {
         let live = self.starts[cells] as usize;
         let [least, most] = CHUNKS_PER_THREAD.map(|chunks| chunks * workers.active());
         cut_into_chunks(&mut self.chunks, &self.starts, (live / CHUNK_PARTICLES).clamp(least, most));
+        scratch.keep_pressures(particles.keeps_pressures());
         scratch.resize(live);
         self.reorder(workers, particles, scratch);
         std::mem::swap(particles, scratch);
@@ -244,13 +245,14 @@ impl Sorter {
     /// Copies particles to their slots, each cell in the order of ids.
     fn reorder(&mut self, workers: &Workers, from: &Particles, to: &mut Particles) {
         let starts = &self.starts;
-        let Particles { id, position: [x, y, z], velocity: [u, v, w], life, .. } = to;
+        let Particles { id, position: [x, y, z], velocity: [u, v, w], life, pressure, .. } = to;
         let reals = [x, y, z, u, v, w, life].map(Vec::as_mut_slice);
         let [x, y, z] = &from.position;
         let [u, v, w] = &from.velocity;
         let sources = [x, y, z, u, v, w, &from.life].map(Vec::as_slice);
-        let tasks = Tasks::new(&self.chunks, (), (&mut **id, &mut *self.order, reals));
-        workers.share(tasks, |(chunk, (), (ids, order, reals))| {
+        let pressures = Some(&mut **pressure).filter(|_| from.keeps_pressures());
+        let tasks = Tasks::new(&self.chunks, (), (&mut **id, &mut *self.order, (reals, pressures)));
+        workers.share(tasks, |(chunk, (), (ids, order, (reals, pressures)))| {
             for (id, slot) in ids.iter_mut().zip(&mut *order) {
                 *id = from.id[*slot.get_mut() as usize];
             }
@@ -259,7 +261,8 @@ impl Sorter {
                 let range = starts[cell] as usize - base..starts[cell + 1] as usize - base;
                 sort_short(&mut ids[range.clone()], &mut order[range], &from.id);
             }
-            for (target, source) in reals.into_iter().zip(sources) {
+            let pressures = pressures.into_iter().zip([&*from.pressure]);
+            for (target, source) in reals.into_iter().zip(sources).chain(pressures) {
                 for (value, slot) in target.iter_mut().zip(&mut *order) {
                     *value = source[*slot.get_mut() as usize];
                 }

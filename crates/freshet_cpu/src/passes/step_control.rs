@@ -1,13 +1,21 @@
-//! Stage `step_control`: the substep, from the fastest particle and the largest acceleration.
+//! Stage `step_control`: the substep, from the fastest particle and the largest acceleration or pressure.
 
 use freshet_core::plan::Parameters;
+use freshet_core::pressure_solver::PressureSolver;
+use glam::Vec3;
 
 use super::acceleration::Maxima;
 use super::body_motion::MovingBody;
 
 /// The substep that covers `remaining` seconds in equal parts within the limits of `freshet_core`.
-pub fn substep(parameters: &Parameters, maxima: &Maxima, bodies: &[MovingBody], remaining: f32) -> f32 {
+pub fn substep(parameters: &Parameters, maxima: &Maxima, bodies: &[MovingBody], gravity: Vec3, remaining: f32) -> f32 {
     let speed = bodies.iter().map(MovingBody::speed).fold(maxima.speed_squared.sqrt(), f32::max);
-    let limit = parameters.substep_limit(speed, maxima.acceleration_squared.sqrt());
+    let limit = match parameters.pressure_solver {
+        PressureSolver::WeaklyCompressible => parameters.substep_limit(speed, maxima.acceleration_squared.sqrt()),
+        PressureSolver::DivergenceFree(_) => {
+            let pressure = maxima.pressure_term * parameters.rest_density;
+            parameters.incompressible_limit(speed, gravity.length(), pressure)
+        }
+    };
     Parameters::equal_substep(remaining, limit)
 }

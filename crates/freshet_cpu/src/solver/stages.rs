@@ -1,14 +1,15 @@
 //! The stages of a substep, shared out in chunks among the threads.
 
 use freshet_core::near_pressure;
-use freshet_core::plan::Parameters;
+use freshet_core::plan::{Parameters, StageKind};
+use freshet_core::pressure_solver::PressureSolver;
 use glam::Vec3;
 
 use super::CpuSolver;
 use crate::candidates::Candidates;
 use crate::lanes::PADDING;
 use crate::passes::acceleration::Maxima;
-use crate::passes::density::Compression;
+use crate::passes::density::{Compression, Second};
 use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
 use crate::passes::{acceleration, body_load, density, integrate};
@@ -24,7 +25,12 @@ impl CpuSolver {
         let gone =
             self.sorter.sort(&self.workers, self.arch, &self.plan.grid, bounds, &mut self.particles, &mut self.scratch);
         let padded = self.particles.len + PADDING;
-        for values in [&mut self.density, &mut self.pressure_term].into_iter().chain(&mut self.acceleration) {
+        let solves = self.plan.has(StageKind::DivergenceSolve);
+        if solves {
+            self.solve.resize(padded);
+        }
+        let terms = Some(&mut self.pressure_term).filter(|_| !solves);
+        for values in [&mut self.density].into_iter().chain(&mut self.acceleration).chain(terms) {
             values.resize(padded, 0.0);
         }
         gone
@@ -34,6 +40,18 @@ impl CpuSolver {
     pub(super) fn density_stage(&mut self) -> Compression {
         let parameters = &self.plan.parameters;
         let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
+        let (second, seconds) = match parameters.pressure_solver {
+            PressureSolver::WeaklyCompressible => {
+                (Second::PressureTerm(parameters.pressure_law), &mut self.pressure_term)
+            }
+            PressureSolver::DivergenceFree(_) => {
+                let gradient = parameters.particle_mass * kernel_scale(parameters, 5);
+                let calibrations = parameters.density_calibration * parameters.gradient_calibration;
+                let factor = gradient * gradient / (calibrations * parameters.rest_density);
+                let number_density = parameters.rest_density / parameters.particle_mass;
+                (Second::InverseDiagonal { factor, number_density }, &mut self.solve.inverse_diagonal)
+            }
+        };
         let samples = [&self.walls, &self.body_samples.sorted];
         let inputs = density::Inputs {
             arch: self.arch,
@@ -43,26 +61,37 @@ impl CpuSolver {
             samples: those_with_samples(&samples),
             fluid_factor: parameters.particle_mass * scale,
             sample_factor: parameters.rest_density * scale,
-            law: parameters.pressure_law,
+            second,
             rest_density: parameters.rest_density,
         };
         // The number of chunks varies by a few: lists that are left over wait for the next substep.
         let lists = self.candidates.len().max(self.sorter.chunks.len());
         self.candidates.resize_with(lists, Candidates::default);
-        let results = [&mut *self.density, &mut *self.pressure_term];
+        let results = [&mut *self.density, &mut **seconds];
         let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, results)| {
-            let [density, pressure_term] = results;
-            dispatch(parameters.kernel, density::Task { inputs, chunk, workspace, candidates, density, pressure_term })
+            let [density, second] = results;
+            dispatch(parameters.kernel, density::Task { inputs, chunk, workspace, candidates, density, second })
         })
     }
 
     /// Accelerations, from the candidates of the density stage.
     pub(super) fn acceleration_stage(&mut self) -> Maxima {
+        let mut acceleration = std::mem::take(&mut self.acceleration);
+        let terms = std::mem::take(self.pressure_terms_mut());
+        let maxima = self.accelerate(&terms, &mut acceleration, true);
+        *self.pressure_terms_mut() = terms;
+        self.acceleration = acceleration;
+        maxima
+    }
+
+    /// Accelerations by `terms`, `p / rho^2`, and, if asked for, by all else.
+    pub(super) fn accelerate(&mut self, terms: &[f32], acceleration: &mut [Vec<f32>; 3], all: bool) -> Maxima {
         let parameters = &self.plan.parameters;
         let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
         let samples = [&self.walls, &self.body_samples.sorted];
         let h = parameters.smoothing_length;
+        let or_none = |factor: f32| if all { factor } else { 0.0 };
         let inputs = acceleration::Inputs {
             arch: self.arch,
             grid: &self.plan.grid,
@@ -70,23 +99,26 @@ impl CpuSolver {
             particles: &self.particles,
             samples: those_with_samples(&samples),
             density: &self.density,
-            pressure_term: &self.pressure_term,
+            pressure_term: terms,
             fluid_factor: -parameters.particle_mass * scale,
             sample_factor: -parameters.rest_density * scale,
-            viscosity: 2.0 * parameters.artificial_viscosity * parameters.sound_speed * h,
-            physical: (parameters.dynamic_viscosity > 0.0).then(|| Viscosity {
+            viscosity: or_none(2.0 * parameters.artificial_viscosity * parameters.sound_speed * h),
+            physical: (all && parameters.dynamic_viscosity > 0.0).then(|| Viscosity {
                 of_pairs: 2.0 * parameters.dynamic_viscosity * parameters.gradient_calibration
                     / parameters.viscous_calibration,
                 of_walls: parameters.dynamic_viscosity,
                 depth: parameters.boundary_depth,
                 nearest: 0.25 * parameters.spacing,
             }),
-            near_pressure: 2.0 * parameters.near_pressure / parameters.rest_density
-                * (near_pressure::NORMALISATION / parameters.kernel.normalisation()) as f32,
+            near_pressure: or_none(
+                2.0 * parameters.near_pressure / parameters.rest_density
+                    * (near_pressure::NORMALISATION / parameters.kernel.normalisation()) as f32,
+            ),
             softening: 0.01 * h * h,
-            gravity: self.gravity,
+            gravity: if all { self.gravity } else { Vec3::ZERO },
+            ahead: if self.plan.has(StageKind::DivergenceSolve) { self.last_substep } else { 0.0 },
         };
-        let results = self.acceleration.each_mut().map(Vec::as_mut_slice);
+        let results = acceleration.each_mut().map(Vec::as_mut_slice);
         let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, acceleration)| {
             dispatch(parameters.kernel, acceleration::Task { inputs, chunk, workspace, candidates, acceleration })
@@ -152,12 +184,12 @@ impl CpuSolver {
 }
 
 /// Walls, bodies, both or neither.
-fn those_with_samples<'a, 'b>(all: &'b [&'a SortedSamples; 2]) -> &'b [&'a SortedSamples] {
+pub(super) fn those_with_samples<'a, 'b>(all: &'b [&'a SortedSamples; 2]) -> &'b [&'a SortedSamples] {
     let [walls, bodies] = all;
     &all[usize::from(walls.is_empty())..2 - usize::from(bodies.is_empty())]
 }
 
 /// `A / H^power`, the constant of a kernel's value (3) or of its derivative over r (5).
-fn kernel_scale(parameters: &Parameters, power: i32) -> f32 {
+pub(super) fn kernel_scale(parameters: &Parameters, power: i32) -> f32 {
     (parameters.kernel.normalisation() / f64::from(parameters.support_radius).powi(power)) as f32
 }

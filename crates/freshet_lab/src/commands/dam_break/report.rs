@@ -3,6 +3,7 @@
 use crate::backend::Backend;
 use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::error::LabError;
+use crate::method::Method;
 use crate::output::{Csv, Output};
 use crate::reference::dam_break::DamBreakExperiment;
 use crate::table::Table;
@@ -10,7 +11,10 @@ use crate::table::Table;
 use super::Run;
 
 /// Errors and cost; all curves; the chart.
-pub const FILES: [&str; 3] = ["dam_break.csv", "dam_break_fronts.csv", "dam_break.svg"];
+pub fn files(method: Method) -> [String; 3] {
+    let suffix = method.suffix();
+    [format!("dam_break{suffix}.csv"), format!("dam_break{suffix}_fronts.csv"), format!("dam_break{suffix}.svg")]
+}
 
 /// Written on top of the CSV files.
 const COMMENT: &str = "Freshet, dam break: `cargo run --release -p freshet_lab -- dam-break --out docs/charts`.\n\
@@ -19,10 +23,11 @@ const COMMENT: &str = "Freshet, dam break: `cargo run --release -p freshet_lab -
     compared with the experiment at T. Times are of the machine that ran it.";
 
 /// Writes all files anew.
-pub fn write(output: &Output, runs: &[Run]) -> Result<(), LabError> {
-    output.write(FILES[0], summary(runs).text())?;
-    output.write(FILES[1], fronts(runs).text())?;
-    chart::draw(output, FILES[2], &chart(runs))?;
+pub fn write(output: &Output, method: Method, runs: &[Run]) -> Result<(), LabError> {
+    let [table, curves, drawing] = files(method);
+    output.write(&table, summary(runs).text())?;
+    output.write(&curves, fronts(runs).text())?;
+    chart::draw(output, &drawing, &chart(method, runs))?;
     Ok(())
 }
 
@@ -139,9 +144,9 @@ fn fronts(runs: &[Run]) -> Csv {
     csv
 }
 
-fn chart(runs: &[Run]) -> Chart {
+fn chart(method: Method, runs: &[Run]) -> Chart {
     Chart {
-        title: "Dam break: front of the water against experiments".to_owned(),
+        title: format!("Dam break, {}: front of the water against experiments", method.name()),
         panels: DamBreakExperiment::ALL.map(|experiment| panel(experiment, runs)).into(),
         size: (1320, 520),
     }
@@ -234,7 +239,8 @@ mod tests {
         assert!(text.contains("martin_moyce_tall,cpu,32,1000,4.00,4.00"), "{text}");
         let rows = fronts(&runs).text().lines().filter(|line| line.contains(",cpu,")).count();
         assert_eq!(rows, 2 * DamBreakExperiment::ALL.iter().map(|e| e.points.len()).sum::<usize>());
-        let drawn = chart(&runs);
+        let drawn = chart(Method::DivergenceFree, &runs);
+        assert!(drawn.title.contains("DFSPH"));
         assert_eq!(drawn.panels.len(), 3);
         assert_eq!(drawn.panels[0].notes[0], "RMS error at a/d = 32: 4.0 %");
     }

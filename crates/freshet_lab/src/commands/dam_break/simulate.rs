@@ -9,6 +9,7 @@ use crate::measure::containment::escaped;
 use crate::measure::curve::Curve;
 use crate::measure::front::front;
 use crate::measure::reference_error::{LARGEST_SHIFT, ReferenceError};
+use crate::method::Method;
 use crate::progress::Progress;
 use crate::reference::dam_break::DamBreakExperiment;
 use crate::scenes::{GRAVITY, slab};
@@ -41,11 +42,12 @@ const SAMPLE: f64 = 0.02;
 pub fn simulate(
     experiment: &'static DamBreakExperiment,
     resolution: u32,
+    method: Method,
     backend: Backend,
     threads: Option<usize>,
     progress: &mut Progress,
 ) -> Result<Run, LabError> {
-    let plan = Plan::new(&slab::scene(experiment, resolution))?;
+    let plan = Plan::new(&method.on(slab::scene(experiment, resolution)))?;
     let (particles, spacing) = (plan.positions.len(), plan.parameters.spacing);
     let unit = experiment.time_unit(GRAVITY);
     let samples = ((experiment.window.1 + LARGEST_SHIFT) / SAMPLE).ceil() as u32;

@@ -6,6 +6,7 @@ use super::run::{FRAME_INTERVAL, Finished, Frame, Task};
 use crate::backend::Backend;
 use crate::drive::Drive;
 use crate::error::LabError;
+use crate::method::Method;
 use crate::progress::Progress;
 use crate::scenes::tank;
 
@@ -13,8 +14,8 @@ use crate::scenes::tank;
 const TICKS: u32 = 3;
 
 /// Runs the tank.
-pub fn run(task: &Task, backend: Backend, progress: &mut Progress) -> Result<Finished, LabError> {
-    let plan = Plan::new(&tank::scene(task.particles))?;
+pub fn run(task: &Task, method: Method, backend: Backend, progress: &mut Progress) -> Result<Finished, LabError> {
+    let plan = Plan::new(&method.on(tank::scene(task.particles)))?;
     let threads = (backend == Backend::Cpu).then_some(task.threads);
     let mut drive = Drive::new(backend.open(plan, threads)?, Vec::new());
     let mut frames = Vec::new();

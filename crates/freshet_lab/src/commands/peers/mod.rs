@@ -19,6 +19,7 @@ use crate::error::LabError;
 use crate::measure::crowding::{Crowding, Tank};
 use crate::measure::front::front;
 use crate::measure::statistics::mean;
+use crate::method::Method;
 use crate::options::{BackendChoice, CommonOptions};
 use crate::output::{Output, say, say_files};
 use crate::progress::Progress;
@@ -65,8 +66,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 /// A system with its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Peer {
-    /// This project, default settings.
-    Freshet(Backend),
+    /// This project, default settings of a method.
+    Freshet(Backend, Method),
     /// salva3d's DFSPH with a tolerance on density.
     Salva {
         /// As a fraction.
@@ -83,7 +84,7 @@ impl Peer {
     /// Name of the system.
     pub fn system(self) -> &'static str {
         match self {
-            Peer::Freshet(_) => "Freshet",
+            Peer::Freshet(..) => "Freshet",
             Peer::Salva { .. } => "salva3d",
             Peer::Splishsplash { .. } => "SPlisHSPlasH",
         }
@@ -92,7 +93,7 @@ impl Peer {
     /// Name and method, as short as they are told apart.
     pub fn short(self) -> String {
         match self {
-            Peer::Freshet(backend) => format!("{}, {backend}", self.system()),
+            Peer::Freshet(backend, method) => format!("{}, {}, {backend}", self.system(), method.name()),
             Peer::Salva { tolerance } => format!("{}, {} %", self.system(), tolerance * 100.0),
             Peer::Splishsplash { method } => format!("{}, {method}", self.system()),
         }
@@ -101,7 +102,8 @@ impl Peer {
     /// Method and settings.
     pub fn settings(self) -> String {
         match self {
-            Peer::Freshet(backend) => format!("WCSPH, c = 10 v, {backend}"),
+            Peer::Freshet(backend, Method::WeaklyCompressible) => format!("WCSPH, c = 10 v, {backend}"),
+            Peer::Freshet(backend, Method::DivergenceFree) => format!("DFSPH, 0.1 %, 0.4 d a step, {backend}"),
             Peer::Salva { tolerance } if tolerance == SALVA_DEFAULT => "DFSPH, 5 % (its default), CFL 0.5".to_owned(),
             Peer::Salva { tolerance } => format!("DFSPH, {} %, CFL 0.5", tolerance * 100.0),
             Peer::Splishsplash { method: "DFSPH" } => "DFSPH, 0.05 %, CFL 1 (its scenes)".to_owned(),
@@ -175,10 +177,17 @@ pub fn run(args: &PeersArgs) -> Result<Verdict, LabError> {
     Ok(verdict(&runs))
 }
 
+/// The methods that a backend has.
+fn ours(backend: Backend) -> Vec<Peer> {
+    let has = |method: &Method| backend == Backend::Cpu || *method == Method::WeaklyCompressible;
+    // The incompressible one first: ratios are over the first, and it is what the others are to be compared with.
+    Method::ALL.into_iter().rev().filter(has).map(|method| Peer::Freshet(backend, method)).collect()
+}
+
 /// The systems that can run here; says which cannot and why.
 fn available(args: &PeersArgs) -> Vec<Peer> {
     let mut peers: Vec<Peer> =
-        args.common.backends(BackendChoice::Cpu).iter().map(|&backend| Peer::Freshet(backend)).collect();
+        args.common.backends(BackendChoice::Cpu).iter().flat_map(|&backend| ours(backend)).collect();
     if cfg!(feature = "peers") {
         peers.extend([SALVA_DEFAULT, 5e-4].map(|tolerance| Peer::Salva { tolerance }));
     } else {
@@ -193,7 +202,9 @@ fn available(args: &PeersArgs) -> Vec<Peer> {
 
 fn start(peer: Peer, task: &Task, args: &PeersArgs, progress: &mut Progress) -> Result<(Finished, String), LabError> {
     match peer {
-        Peer::Freshet(backend) => Ok((freshet::run(task, backend, progress)?, env!("CARGO_PKG_VERSION").to_owned())),
+        Peer::Freshet(backend, method) => {
+            Ok((freshet::run(task, method, backend, progress)?, env!("CARGO_PKG_VERSION").to_owned()))
+        }
         #[cfg(feature = "peers")]
         Peer::Salva { tolerance } => Ok((salva::run(task, tolerance, progress)?, salva::VERSION.to_owned())),
         #[cfg(not(feature = "peers"))]
@@ -229,7 +240,7 @@ fn measured(peer: Peer, version: String, repeat: u16, task: &Task, finished: &Fi
 
 fn verdict(runs: &[Run]) -> Verdict {
     let mut verdict = Verdict::default();
-    for run in runs.iter().filter(|run| matches!(run.peer, Peer::Freshet(_))) {
+    for run in runs.iter().filter(|run| matches!(run.peer, Peer::Freshet(..))) {
         let name = format!("Freshet, {}, run {}: volume lost", run.peer.settings(), run.repeat);
         verdict.check(name, run.crowding.lost_volume, "%", Bound::AtMost(1.0));
     }
@@ -260,7 +271,7 @@ mod tests {
 
     #[test]
     fn front_and_crowding_come_from_the_positions() {
-        let run = measured_run(Peer::Freshet(Backend::Cpu), 1, 0.4);
+        let run = measured_run(Peer::Freshet(Backend::Cpu, Method::DivergenceFree), 1, 0.4);
         assert!((run.cost() - 4.0).abs() < 1e-9);
         assert_eq!(run.front.len(), 1);
         assert!((run.front[0] - 1.2).abs() < 1e-5, "{:?}", run.front);

@@ -235,10 +235,12 @@ mod tests {
     use super::super::tests::measured_run;
     use super::*;
     use crate::backend::Backend;
+    use crate::method::Method;
 
     #[test]
     fn ratios_pair_runs_of_the_same_repeat() {
-        let ours = |repeat, seconds| measured_run(Peer::Freshet(Backend::Cpu), repeat, seconds);
+        let ours =
+            |repeat, seconds| measured_run(Peer::Freshet(Backend::Cpu, Method::WeaklyCompressible), repeat, seconds);
         let theirs = |repeat, seconds| measured_run(Peer::Salva { tolerance: 0.05 }, repeat, seconds);
         let runs = [ours(1, 1.0), theirs(1, 3.0), ours(2, 2.0), theirs(2, 8.0)];
         assert_eq!(ratios(&runs, runs[1].peer), [3.0, 4.0]);

@@ -52,7 +52,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 9] = [
+pub const CASES: [&Case; 10] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -62,6 +62,7 @@ pub const CASES: [&Case; 9] = [
     &cases::commands::COLUMN,
     &cases::commands::FLOAT,
     &cases::commands::DAM_BREAK,
+    &cases::commands::DAM_BREAK_DFSPH,
 ];
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use crate::commands::column::{self, ColumnArgs};
 use crate::commands::dam_break::{self, DamBreakArgs};
 use crate::commands::float::{self, FloatArgs};
 use crate::error::LabError;
+use crate::method::Method;
 use crate::verdict::Verdict;
 
 /// See [`column`].
@@ -23,7 +24,18 @@ pub const DAM_BREAK: Case = Case {
     about: "front of a collapsing column against Martin & Moyce 1952 (n^2 = 1, 2) and Lobovsky et al. 2014",
     run: |job: &Job| {
         let (common, threads) = (job.options(), job.threads);
-        found(dam_break::run(&DamBreakArgs { common, threads, resolutions: Vec::new() }))
+        found(dam_break::run(&DamBreakArgs { common, threads, resolutions: Vec::new(), method: Method::default() }))
+    },
+};
+
+/// The same with the incompressible solver.
+pub const DAM_BREAK_DFSPH: Case = Case {
+    name: "dam-break-dfsph",
+    about: "the same fronts with divergence-free SPH, which the CPU has",
+    run: |job: &Job| {
+        let (common, threads) = (job.options(), job.threads);
+        let method = Method::DivergenceFree;
+        found(dam_break::run(&DamBreakArgs { common, threads, resolutions: Vec::new(), method }))
     },
 };
 

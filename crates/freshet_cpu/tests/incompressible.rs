@@ -1,0 +1,308 @@
+//! Incompressible fluids: the solves against sums over all pairs in double precision, and what must come of them.
+
+use freshet_core::kernel::Kernel;
+use freshet_core::prelude::*;
+use freshet_cpu::{CpuOptions, CpuSolver};
+use glam::DVec3;
+
+fn incompressible(mut scene: FluidScene, solver: DivergenceFree) -> FluidScene {
+    scene.settings.pressure_solver = PressureSolver::DivergenceFree(solver);
+    scene
+}
+
+/// A column in an open box.
+fn column(depth: f32) -> FluidScene {
+    let half = Vec3::new(0.125, depth / 2.0, 0.125);
+    let scene = FluidScene {
+        volumes: vec![Volume::block(half, Vec3::Y * half.y)],
+        boundaries: vec![Boundary::open_box(Vec3::new(0.25, 1.5 * depth, 0.25), Vec3::Y * 0.75 * depth)],
+        ..FluidScene::with_spacing(0.025)
+    };
+    incompressible(scene, DivergenceFree::default())
+}
+
+fn dam_break() -> FluidScene {
+    let scene = FluidScene {
+        volumes: vec![Volume::block(Vec3::new(0.25, 0.3, 0.25), Vec3::new(0.25, 0.3, 0.25))],
+        boundaries: vec![Boundary::open_box(Vec3::new(1.0, 1.0, 0.5), Vec3::new(0.5, 0.5, 0.25))],
+        ..FluidScene::with_spacing(0.05)
+    };
+    incompressible(scene, DivergenceFree::default())
+}
+
+fn solver(scene: &FluidScene, threads: usize) -> CpuSolver {
+    CpuSolver::new(Plan::new(scene).unwrap(), CpuOptions { threads: Some(threads), ..CpuOptions::default() }).unwrap()
+}
+
+fn run(solver: &mut CpuSolver, ticks: u64) -> Vec<StepReport> {
+    let start = solver.snapshot().unwrap();
+    let mut scene = SceneRun::resume(&start);
+    (0..ticks)
+        .map(|_| {
+            let input = scene.next(solver.plan(), 1.0 / 60.0, Vec::new());
+            let report = solver.step(&input).unwrap();
+            scene.hear(&report);
+            report
+        })
+        .collect()
+}
+
+fn by_id(solver: &mut CpuSolver, field: Field) -> FieldData {
+    let ids = solver.read(Field::Id).unwrap().integers().unwrap();
+    solver.read(field).unwrap().sorted_by_id(&ids)
+}
+
+/// Sums over all pairs, from the formulas of `freshet_core::pressure_solver` and nothing else.
+struct Reference<'a> {
+    plan: &'a Plan,
+    kernel: Kernel,
+    x: Vec<DVec3>,
+    walls: Vec<(DVec3, f64)>,
+}
+
+impl<'a> Reference<'a> {
+    fn new(plan: &'a Plan, positions: &[Vec3]) -> Self {
+        let walls = plan.boundary.positions.iter().zip(&plan.boundary.volumes);
+        Self {
+            plan,
+            kernel: plan.parameters.kernel().unwrap(),
+            x: positions.iter().map(|x| x.as_dvec3()).collect(),
+            walls: walls.map(|(x, &volume)| (x.as_dvec3(), f64::from(volume))).collect(),
+        }
+    }
+
+    fn gradient(&self, apart: DVec3) -> DVec3 {
+        self.kernel.derivative_over_r(apart.length()) * apart
+    }
+
+    /// Relative densities.
+    fn densities(&self) -> Vec<f64> {
+        let p = &self.plan.parameters;
+        let (mass, rest) = (f64::from(p.particle_mass), f64::from(p.rest_density));
+        let of = |&at: &DVec3| {
+            let fluid: f64 = self.x.iter().map(|other| self.kernel.value(at.distance(*other))).sum();
+            let wall: f64 =
+                self.walls.iter().map(|(other, volume)| volume * self.kernel.value(at.distance(*other))).sum();
+            (mass * fluid / rest + wall) / f64::from(p.density_calibration)
+        };
+        self.x.iter().map(of).collect()
+    }
+
+    /// `D(u) / rho0`.
+    fn rates(&self, u: &[DVec3]) -> Vec<f64> {
+        let p = &self.plan.parameters;
+        let volume = f64::from(p.particle_mass) / f64::from(p.rest_density);
+        let of = |a: usize| {
+            let fluid: f64 = (0..self.x.len()).map(|b| (u[a] - u[b]).dot(self.gradient(self.x[a] - self.x[b]))).sum();
+            let wall: f64 = self.walls.iter().map(|(x, volume)| volume * u[a].dot(self.gradient(self.x[a] - x))).sum();
+            (volume * fluid + wall) / f64::from(p.density_calibration)
+        };
+        (0..self.x.len()).map(of).collect()
+    }
+
+    /// Accelerations by pressures `p / rho^2`.
+    fn accelerations(&self, pressures: &[f64]) -> Vec<DVec3> {
+        let p = &self.plan.parameters;
+        let (mass, rest) = (f64::from(p.particle_mass), f64::from(p.rest_density));
+        let of = |a: usize| {
+            let fluid: DVec3 =
+                (0..self.x.len()).map(|b| (pressures[a] + pressures[b]) * self.gradient(self.x[a] - self.x[b])).sum();
+            let wall: DVec3 =
+                self.walls.iter().map(|(x, volume)| *volume * pressures[a] * self.gradient(self.x[a] - x)).sum();
+            -(mass * fluid + rest * wall) / f64::from(p.gradient_calibration)
+        };
+        (0..self.x.len()).map(of).collect()
+    }
+}
+
+/// A block off its lattice on the floor of a box, in motion.
+fn disturbed(plan: &Plan) -> Snapshot {
+    let mut state = 7u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 16_777_216.0 - 0.5
+    };
+    let count = plan.positions.len();
+    let mut vector = |scale: f32| scale * Vec3::new(random(), random(), random());
+    Snapshot {
+        next_id: count as u32,
+        gravity: plan.parameters.gravity,
+        ids: (0..count as u32).collect(),
+        positions: plan.positions.iter().map(|&x| x + vector(0.002)).collect(),
+        velocities: plan.positions.iter().map(|&x| Vec3::new(0.4 - 3.0 * x.x, -x.y, 0.0) + vector(0.2)).collect(),
+        remaining_lives: vec![f32::INFINITY; count],
+        ..Snapshot::default()
+    }
+}
+
+/// One substep from a disturbed state. With every kernel: its velocities compress nothing where there is pressure and nothing
+/// more than they may elsewhere, they differ from those before by gravity and the acceleration of the pressures that are
+/// reported, and the density of the new positions is as small as asked for.
+#[test]
+fn a_substep_solves_what_it_says() {
+    for kernel in [KernelKind::WendlandC2, KernelKind::CubicSpline, KernelKind::QuinticSpline] {
+        let settings = DivergenceFree { compression: 1e-5, divergence: 1e-5, max_iterations: 2000 };
+        let mut scene = incompressible(column(0.25), settings);
+        scene.settings.kernel = kernel;
+        scene.settings.artificial_viscosity = 0.0;
+        let plan = Plan::new(&scene).unwrap();
+        let start = disturbed(&plan);
+        let mut solver = solver(&scene, 2);
+        solver.restore(&start).unwrap();
+        let dt = 1e-3;
+        let report = solver.step(&StepInput { duration: dt, ..StepInput::default() }).unwrap();
+        assert_eq!((report.substeps, report.unsolved), (1, 0), "{kernel:?}");
+        assert!(report.divergence_iterations > 10, "{kernel:?}: {}", report.divergence_iterations);
+
+        let reference = Reference::new(&plan, &start.positions);
+        let dt = f64::from(dt);
+        let end = solver.snapshot().unwrap();
+        let velocities: Vec<DVec3> = end.velocities.iter().map(|v| v.as_dvec3()).collect();
+        let pressures: Vec<f64> = end.pressures.iter().map(|&p| f64::from(p)).collect();
+        assert!(pressures.iter().all(|&pressure| pressure >= 0.0));
+        let accelerations = reference.accelerations(&pressures);
+        for (i, acceleration) in accelerations.iter().enumerate() {
+            let expected = start.velocities[i].as_dvec3() + dt * (scene.gravity.as_dvec3() + *acceleration);
+            let scale = 1e-4 * dt * acceleration.length().max(10.0) + 1e-6;
+            assert!(velocities[i].distance(expected) < scale, "{kernel:?} {i}: {} not {expected}", velocities[i]);
+        }
+        // The way of the fastest particle in a first substep is that of its velocity.
+        let fastest = start.velocities.iter().map(|v| v.length()).fold(0.0, f32::max);
+        let way = (fastest * dt as f32 / plan.parameters.longest_way()).min(1.0);
+        let share = DivergenceFree::share(way);
+        let densities = reference.densities();
+        let rates = reference.rates(&velocities);
+        let (mut wrong, mut too_much) = (0.0, 0.0);
+        for ((density, rate), pressure) in densities.iter().zip(&rates).zip(&pressures) {
+            let left = f64::from(DivergenceFree::source((density - 1.0) as f32, share)) + dt * rate;
+            wrong += if *pressure > 0.0 { left.abs() } else { left.max(0.0) };
+            too_much += (density - 1.0).max(0.0);
+        }
+        let (wrong, too_much) = (wrong / densities.len() as f64, too_much / densities.len() as f64);
+        assert!(wrong < 1.5 * f64::from(settings.divergence * way), "{kernel:?}: {wrong} of {way}");
+        // What was too dense was moved apart, to first order: what is left is of the second.
+        let after = Reference::new(&plan, &end.positions).densities();
+        let after = after.iter().map(|density| (density - 1.0).max(0.0)).sum::<f64>() / after.len() as f64;
+        assert!(too_much > 2e-3 && after < 0.2 * too_much, "{kernel:?}: {too_much} before, {after} after");
+    }
+}
+
+#[test]
+fn same_bits_with_any_number_of_threads_and_from_a_snapshot() {
+    let mut scene = dam_break();
+    scene.resolution = Resolution::Spacing(0.5 / 20.0);
+    let states = [1, 2, 5].map(|threads| {
+        let mut solver = solver(&scene, threads);
+        assert!(solver.plan().positions.len() > 9_000);
+        run(&mut solver, 3);
+        solver.snapshot().unwrap()
+    });
+    assert_eq!(states[0], states[1]);
+    assert_eq!(states[0], states[2]);
+
+    let mut whole = solver(&dam_break(), 2);
+    run(&mut whole, 20);
+    let mut first = solver(&dam_break(), 2);
+    run(&mut first, 10);
+    let bytes = first.snapshot().unwrap().to_bytes().unwrap();
+    let mut second = solver(&dam_break(), 1);
+    second.restore(&Snapshot::from_bytes(&bytes).unwrap()).unwrap();
+    run(&mut second, 10);
+    assert_eq!(whole.snapshot().unwrap(), second.snapshot().unwrap());
+}
+
+#[test]
+fn blocks_that_collide_keep_their_momentum_and_gain_no_energy() {
+    let mut scene = FluidScene { gravity: Vec3::ZERO, ..FluidScene::with_spacing(0.05) };
+    let throw =
+        |x: f32, velocity: Vec3| Volume { velocity, ..Volume::block(Vec3::splat(0.15), Vec3::new(x, 0.0, 0.0)) };
+    scene.volumes = vec![throw(-0.16, Vec3::new(1.0, 0.2, 0.0)), throw(0.16, Vec3::new(-0.5, 0.0, 0.1))];
+    let mut solver = solver(&incompressible(scene, DivergenceFree::default()), 2);
+    let sums = |solver: &mut CpuSolver| {
+        let v = solver.read(Field::Velocity).unwrap().vectors().unwrap();
+        let momentum: DVec3 = v.iter().map(|v| v.as_dvec3()).sum();
+        (momentum / v.len() as f64, v.iter().map(|v| f64::from(v.length_squared())).sum::<f64>() / v.len() as f64)
+    };
+    let before = sums(&mut solver);
+    let mut energy = before.1;
+    for _ in 0..30 {
+        run(&mut solver, 1);
+        let now = sums(&mut solver);
+        assert!((now.0 - before.0).length() < 2e-6, "{} m/s a particle", now.0 - before.0);
+        assert!(now.1 < energy * 1.02, "{} m2/s2 after {energy}", now.1);
+        energy = now.1;
+    }
+    assert!(energy < 0.9 * before.1);
+}
+
+/// With the default settings, at sixty ticks a second: calm, in place, and as heavy as water.
+#[test]
+fn a_column_comes_to_rest_and_carries_its_weight() {
+    let mut solver = solver(&column(0.25), 2);
+    let mut reports = run(&mut solver, 210);
+    reports.extend(run(&mut solver, 30));
+    assert!(reports.iter().all(|report| report.removed == 0 && report.time_scale == 1.0));
+    let speeds = by_id(&mut solver, Field::Speed).scalars().unwrap();
+    let mean = speeds.iter().sum::<f32>() / speeds.len() as f32;
+    assert!(mean < 2e-3, "{mean} m/s on average");
+    let (x, p) = (by_id(&mut solver, Field::Position).vectors().unwrap(), by_id(&mut solver, Field::Pressure));
+    let level = 2.0 * x.iter().map(|x| x.y).sum::<f32>() / x.len() as f32;
+    assert!((level - 0.25).abs() < 0.1 * 0.025, "{level} m");
+    // Layer by layer, against what stands above; single particles in corners bear a third more or less.
+    let p = p.scalars().unwrap();
+    for layer in 0..7 {
+        let those = || x.iter().zip(&p).filter(|(x, _)| (x.y / 0.025).floor() as i32 == layer);
+        let expected = those().map(|(x, _)| 9810.0 * (level - x.y)).sum::<f32>();
+        let found = those().map(|(_, p)| p).sum::<f32>();
+        // Walls beside it make up a third of a layer; at the bottom they weigh what they should.
+        let bound = if layer == 0 { 0.02 } else { 0.08 };
+        assert!(those().count() > 50 && (found / expected - 1.0).abs() < bound, "layer {layer}: {}", found / expected);
+    }
+    let late = &reports[210..];
+    let iterations: u32 = late.iter().map(|report| report.divergence_iterations + report.density_iterations).sum();
+    let substeps: u32 = late.iter().map(|report| report.substeps).sum();
+    assert!(iterations < 5 * substeps, "{iterations} iterations in {substeps} substeps at rest");
+    assert!(late.iter().all(|report| report.unsolved == 0));
+    assert!(late.iter().all(|report| report.mean_compression < 1.1e-3));
+}
+
+/// What a coarse solve leaves, a fine one does not: the tolerances mean something.
+#[test]
+fn compression_follows_its_tolerance() {
+    let compression = |tolerance: f32| {
+        let settings = DivergenceFree { compression: tolerance, divergence: tolerance, max_iterations: 500 };
+        let mut solver = solver(&incompressible(dam_break(), settings), 2);
+        let reports = run(&mut solver, 40);
+        assert!(reports.iter().all(|report| report.removed == 0));
+        let mean = reports[10..].iter().map(|report| report.mean_compression).sum::<f32>() / 30.0;
+        (mean, reports.iter().map(|report| report.divergence_iterations + report.density_iterations).sum::<u32>())
+    };
+    let (coarse, few) = compression(5e-3);
+    let (fine, many) = compression(2e-4);
+    assert!(fine < 0.4 * coarse && fine < 1e-3, "{fine} and {coarse}");
+    assert!(many > 2 * few, "{many} and {few} iterations");
+}
+
+#[test]
+fn one_that_may_not_iterate_says_so_and_goes_on() {
+    let settings = DivergenceFree { max_iterations: 1, ..DivergenceFree::default() };
+    let mut solver = solver(&incompressible(dam_break(), settings), 2);
+    let reports = run(&mut solver, 20);
+    assert!(reports.iter().map(|report| report.unsolved).sum::<u32>() > 5);
+    assert!(solver.read(Field::Position).unwrap().vectors().unwrap().iter().all(|x| x.is_finite()));
+}
+
+/// From one solver to the other while it runs, and back: nothing is lost, and fields can be read or are said not to be there.
+#[test]
+fn the_solver_can_be_changed_while_running() {
+    let weakly = FluidScene { settings: Settings::default(), ..dam_break() };
+    let mut solver = solver(&weakly, 2);
+    run(&mut solver, 5);
+    let count = solver.read(Field::Id).unwrap().len();
+    for scene in [dam_break(), weakly] {
+        solver.reconfigure(Plan::new(&scene).unwrap()).unwrap();
+        assert!(solver.read(Field::Pressure).is_err());
+        assert!(run(&mut solver, 5).iter().all(|report| report.removed == 0));
+        assert_eq!(solver.read(Field::Pressure).unwrap().len(), count);
+    }
+}
