@@ -27,8 +27,8 @@ const PLAIN: f64 = 0.7;
 /// How far a sample may be from a point, over the spacing, to serve it if it is in line with it, and how far off that line.
 const SERVES: [f64; 2] = [1.3, 0.5];
 
-/// Most triangles of a patch's list.
-const LONGEST: usize = 64;
+/// Most triangles of a patch's list: without one, sides are asked at every point, of which a patch has a hundred.
+const LONGEST: usize = 256;
 
 /// A part of a triangle.
 #[derive(Clone, Copy)]
