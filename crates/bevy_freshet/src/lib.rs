@@ -20,7 +20,7 @@ pub mod simulation;
 /// What most programs need; every name begins with `Fluid` or `Freshet`.
 pub mod prelude {
     pub use crate::components::body::FluidBody;
-    pub use crate::components::boundary::{FluidBoundary, FluidBoundaryShape};
+    pub use crate::components::boundary::{FluidBoundary, FluidBoundaryShape, FluidBoundarySide};
     pub use crate::components::container::FluidContainer;
     pub use crate::components::domain::{FluidBackend, FluidDomain, FluidMode};
     pub use crate::components::emitter::FluidEmitter;

@@ -8,6 +8,7 @@ pub mod emitter;
 pub mod equation_of_state;
 pub mod error;
 pub mod field;
+pub mod geometry;
 pub mod grid;
 pub mod kernel;
 pub mod material;
@@ -33,15 +34,18 @@ pub mod prelude {
     pub use crate::equation_of_state::EquationOfState;
     pub use crate::error::InvalidInput;
     pub use crate::field::{Field, FieldData};
+    pub use crate::geometry::{HeightField, TriangleMesh};
     pub use crate::kernel::KernelKind;
     pub use crate::material::Material;
     pub use crate::periodic::Periodic;
     pub use crate::plan::{Plan, SceneError, StageKind};
     pub use crate::pressure_solver::{DivergenceFree, PressureSolver};
     pub use crate::run::SceneRun;
-    pub use crate::scene::{Body, Boundary, BoundaryShape, FluidScene, Resolution, Settings, Shape, Support, Volume};
+    pub use crate::scene::{
+        Body, Boundary, BoundaryShape, FluidScene, FluidSide, Resolution, Settings, Shape, Support, Volume,
+    };
     pub use crate::snapshot::Snapshot;
-    pub use crate::solid::Solid;
+    pub use crate::solid::{Solid, SolidShape};
     pub use crate::solver::{FluidSolver, Schedule, SolverError};
     pub use crate::step::{BodyInput, Command, Impulse, NewParticles, StepInput, StepReport};
     pub use crate::viscosity::ViscosityModel;

@@ -1,8 +1,13 @@
 //! The scene: plain data that says what is simulated and how accurately. [`Plan::new`](crate::plan::Plan::new) turns
 //! it into what is executed.
 
+mod boundary;
+
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
+
+pub(crate) use self::boundary::side_of;
+pub use self::boundary::{Boundary, BoundaryShape, FluidSide};
 
 use crate::emitter::Emitter;
 use crate::equation_of_state::EquationOfState;
@@ -185,85 +190,6 @@ impl Volume {
     }
 }
 
-/// A surface that holds fluid.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum BoundaryShape {
-    /// A hollow box with the fluid inside.
-    Container {
-        /// Half the inner edge lengths, m.
-        half_extents: Vec3,
-        /// Which faces are missing: -x, +x, -y, +y, -z, +z.
-        #[serde(default)]
-        open: [bool; 6],
-    },
-    /// A solid box with the fluid outside.
-    Box {
-        /// Half its edge lengths, m.
-        half_extents: Vec3,
-    },
-    /// A rectangle with the fluid on the side the local +y axis points to.
-    Plane {
-        /// Half its edge lengths along the local x and z axes, m.
-        half_extents: [f32; 2],
-    },
-}
-
-/// A boundary that does not move.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Boundary {
-    /// Its shape.
-    pub shape: BoundaryShape,
-    /// Centre of the shape, m.
-    pub center: Vec3,
-    /// Its orientation.
-    #[serde(default)]
-    pub rotation: Quat,
-    /// Faces that drag the fluid along: it sticks to them if there is a [viscosity model](Settings::viscosity_model), otherwise
-    /// its artificial viscosity acts between it and them. Along the others it slips freely. In the order -x, +x, -y, +y, -z,
-    /// +z; a plane's only face is +y. All, if none are named.
-    #[serde(default = "every_face")]
-    pub viscous_faces: [bool; 6],
-    /// Velocity of the surface, m/s, up to 1e4, along every viscous face, in world axes: the wall stays where it is and moves as
-    /// a belt does. Zero unless there is a [viscosity model](Settings::viscosity_model), without which nothing would feel it.
-    #[serde(default)]
-    pub velocity: Vec3,
-}
-
-fn every_face() -> [bool; 6] {
-    [true; 6]
-}
-
-impl Boundary {
-    /// A container of inner size `size` without a lid.
-    pub fn open_box(size: Vec3, center: Vec3) -> Self {
-        let open = [false, false, false, true, false, false];
-        Self::new(BoundaryShape::Container { half_extents: size / 2.0, open }, center)
-    }
-
-    /// A container of inner size `size` with all six walls.
-    pub fn closed_box(size: Vec3, center: Vec3) -> Self {
-        let shape = BoundaryShape::Container { half_extents: size / 2.0, open: [false; 6] };
-        Self::new(shape, center)
-    }
-
-    /// A shape that is not turned and has viscous faces only.
-    pub fn new(shape: BoundaryShape, center: Vec3) -> Self {
-        Self { shape, center, rotation: Quat::IDENTITY, viscous_faces: every_face(), velocity: Vec3::ZERO }
-    }
-
-    /// The same with other faces viscous, see [`Boundary::viscous_faces`].
-    pub fn with_viscous_faces(self, viscous_faces: [bool; 6]) -> Self {
-        Self { viscous_faces, ..self }
-    }
-
-    /// The same with a surface that moves, see [`Boundary::velocity`].
-    pub fn with_velocity(self, velocity: Vec3) -> Self {
-        Self { velocity, ..self }
-    }
-}
-
 /// A rigid body as the fluid sees it: samples of its surface that move with it.
 ///
 /// `freshet_rapier` makes these from rapier's shapes. Mass and inertia come with each tick's
@@ -440,7 +366,7 @@ impl Settings {
 }
 
 /// Distance from the origin up to which positions are accepted, m.
-const REACH: f32 = 1e6;
+pub(crate) const REACH: f32 = 1e6;
 
 /// Checks that a position is finite and not absurdly far away.
 pub(crate) fn check_position(field: &str, position: Vec3) -> Result<(), InvalidInput> {
@@ -465,7 +391,7 @@ pub(crate) fn check_pose(center: Vec3, rotation: Quat) -> Result<(), InvalidInpu
     Ok(())
 }
 
-fn check_half_extents(half_extents: Vec3) -> Result<(), InvalidInput> {
+pub(crate) fn check_half_extents(half_extents: Vec3) -> Result<(), InvalidInput> {
     for value in half_extents.to_array() {
         check_range("half_extents", value, 1e-5, REACH, "m")?;
     }
@@ -532,52 +458,6 @@ impl Volume {
         check_pose(self.center, self.rotation)?;
         for value in self.velocity.to_array() {
             check_range("velocity", value, -1e4, 1e4, "m/s")?;
-        }
-        Ok(())
-    }
-}
-
-impl Boundary {
-    /// Checks every number.
-    pub fn validate(&self) -> Result<(), InvalidInput> {
-        match self.shape {
-            BoundaryShape::Container { half_extents, open } => {
-                check_half_extents(half_extents).map_err(|error| error.inside("shape"))?;
-                if open == [true; 6] {
-                    return Err(InvalidInput::new("shape.open", "six times true", "at least one false"));
-                }
-            }
-            BoundaryShape::Box { half_extents } => {
-                check_half_extents(half_extents).map_err(|error| error.inside("shape"))?;
-            }
-            BoundaryShape::Plane { half_extents } => {
-                for value in half_extents {
-                    check_range("shape.half_extents", value, 1e-5, REACH, "m")?;
-                }
-            }
-        }
-        check_pose(self.center, self.rotation)
-    }
-
-    fn check_velocity(&self, model: Option<ViscosityModel>) -> Result<(), InvalidInput> {
-        for value in self.velocity.to_array() {
-            check_range("velocity", value, -1e4, 1e4, "m/s")?;
-        }
-        if self.velocity == Vec3::ZERO {
-            return Ok(());
-        }
-        if model.is_none() {
-            return Err(InvalidInput::new("velocity", self.velocity, "zero, as there is no settings.viscosity_model"));
-        }
-        let across = (self.rotation.conjugate() * self.velocity).abs();
-        let is_face = |index: usize| match self.shape {
-            BoundaryShape::Container { open, .. } => !open[index],
-            BoundaryShape::Box { .. } => true,
-            BoundaryShape::Plane { .. } => index == 3,
-        };
-        let least = 1e-4 * self.velocity.length();
-        if (0..6).any(|index| is_face(index) && self.viscous_faces[index] && across[index / 2] > least) {
-            return Err(InvalidInput::new("velocity", self.velocity, "a vector along every viscous face"));
         }
         Ok(())
     }

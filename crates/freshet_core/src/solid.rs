@@ -5,22 +5,239 @@
 //! volumes that start in a wall ([`Plan::left_out`](crate::plan::Plan::left_out)); bodies have a place from the first tick on, so
 //! solvers ask then, and for what commands spawn ([`StepReport::inside_solids`](crate::step::StepReport::inside_solids)).
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{DVec3, Mat3, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
-use crate::error::InvalidInput;
+use crate::error::{InvalidInput, check_range};
+use crate::geometry::round::Profile;
+use crate::geometry::{HeightField, TriangleMesh, convex_hull};
 use crate::periodic::Periodic;
 use crate::plan::Plan;
 use crate::sampling::wall_layer::WallLayer;
-use crate::scene::{Boundary, BoundaryShape, Shape, check_pose};
+use crate::scene::{Boundary, BoundaryShape, FluidSide, REACH, Shape, check_pose, side_of};
 use crate::step::{BodyInput, Command, StepInput};
 
+/// A closed shape about its own centre; sizes from 1e-5 to 1e6 m. What turns about an axis turns about the local y axis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum SolidShape {
+    /// A box.
+    Box {
+        /// Half its edge lengths, m.
+        half_extents: Vec3,
+    },
+    /// A sphere.
+    Sphere {
+        /// Radius, m.
+        radius: f32,
+    },
+    /// All below the plane of the local x and z axes.
+    HalfSpace,
+    /// A cylinder.
+    Cylinder {
+        /// Radius, m.
+        radius: f32,
+        /// Half its height, m.
+        half_height: f32,
+    },
+    /// A cylinder that ends in half spheres.
+    Capsule {
+        /// Radius, m.
+        radius: f32,
+        /// Half the height of the cylinder between them, m.
+        half_height: f32,
+    },
+    /// A cone with its tip up, its centre half way up.
+    Cone {
+        /// Radius of the base, m.
+        radius: f32,
+        /// Half its height, m.
+        half_height: f32,
+    },
+    /// Wall and bottom of a cylindrical vessel.
+    Cup {
+        /// Radius of the room in it, m.
+        radius: f32,
+        /// Half the height of the room in it, about the centre, m.
+        half_height: f32,
+        /// How thick wall and bottom are, m.
+        thickness: f32,
+    },
+    /// What a mesh encloses: see [`TriangleMesh::is_inside`].
+    Mesh {
+        /// Its surface.
+        mesh: TriangleMesh,
+    },
+    /// Ground.
+    Ground {
+        /// Its surface.
+        field: HeightField,
+        /// How deep it goes below its lowest place, m.
+        thickness: f32,
+    },
+    /// The wall around a room.
+    Around {
+        /// The room.
+        room: Box<SolidShape>,
+        /// How thick the wall is, m.
+        thickness: f32,
+    },
+    /// What is near the surface of a shape, on either side.
+    Skin {
+        /// The shape.
+        shape: Box<SolidShape>,
+        /// How near, m.
+        reach: f32,
+    },
+}
+
+impl From<Shape> for SolidShape {
+    fn from(shape: Shape) -> Self {
+        match shape {
+            Shape::Box { half_extents } => Self::Box { half_extents },
+            Shape::Sphere { radius } => Self::Sphere { radius },
+        }
+    }
+}
+
+impl SolidShape {
+    /// Distance of a point relative to the centre, in the shape's own axes, from the surface, m, negative inside, and the direction
+    /// away from it.
+    pub fn distance(&self, local: Vec3) -> (f32, Vec3) {
+        let double = f64::from;
+        match self {
+            &Self::Box { half_extents } => Shape::Box { half_extents }.distance(local),
+            &Self::Sphere { radius } => Shape::Sphere { radius }.distance(local),
+            Self::HalfSpace => (local.y, Vec3::Y),
+            &Self::Cylinder { radius, half_height } => {
+                distance_of(&Profile::cylinder(double(radius), double(half_height)), local)
+            }
+            &Self::Capsule { radius, half_height } => {
+                distance_of(&Profile::capsule(double(radius), double(half_height)), local)
+            }
+            &Self::Cone { radius, half_height } => {
+                distance_of(&Profile::cone(double(radius), double(half_height)), local)
+            }
+            &Self::Cup { radius, half_height, thickness } => {
+                distance_of(&Profile::cup(double(radius), double(half_height), double(thickness)), local)
+            }
+            Self::Mesh { mesh } => {
+                let point = local.as_dvec3();
+                let (low, high) = mesh.bounds();
+                let is_inside = local.cmpge(low).all() && local.cmple(high).all() && mesh.encloses(point);
+                signed(point, mesh.nearest(point, f64::INFINITY).unwrap_or(point), is_inside)
+            }
+            Self::Ground { field, thickness } => ground_distance(field, *thickness, local),
+            Self::Around { room, thickness } => {
+                let (distance, normal) = room.distance(local);
+                // Nearer to the room or to what is behind the wall.
+                if distance < 0.5 * thickness { (-distance, -normal) } else { (distance - thickness, normal) }
+            }
+            Self::Skin { shape, reach } => {
+                let (distance, normal) = shape.distance(local);
+                (distance.abs() - reach, if distance < 0.0 { -normal } else { normal })
+            }
+        }
+    }
+
+    /// Lowest and highest corner of the box around it, m.
+    fn bounds(&self) -> (Vec3, Vec3) {
+        let double = f64::from;
+        let around = |profile: Profile| {
+            let reach = profile.reach().as_vec2();
+            let high = Vec3::new(reach.x, reach.y, reach.x);
+            (-high, high)
+        };
+        match self {
+            &Self::Box { half_extents } => (-half_extents, half_extents),
+            &Self::Sphere { radius } => (Vec3::splat(-radius), Vec3::splat(radius)),
+            Self::HalfSpace => (Vec3::NEG_INFINITY, Vec3::INFINITY),
+            &Self::Cylinder { radius, half_height } => around(Profile::cylinder(double(radius), double(half_height))),
+            &Self::Capsule { radius, half_height } => around(Profile::capsule(double(radius), double(half_height))),
+            &Self::Cone { radius, half_height } => around(Profile::cone(double(radius), double(half_height))),
+            &Self::Cup { radius, half_height, thickness } => {
+                around(Profile::cup(double(radius), double(half_height), double(thickness)))
+            }
+            Self::Mesh { mesh } => mesh.bounds(),
+            Self::Ground { field, thickness } => {
+                let (low, high) = field.surface().bounds();
+                (low - Vec3::Y * *thickness, high)
+            }
+            Self::Around { room: shape, thickness: reach } | Self::Skin { shape, reach } => {
+                let (low, high) = shape.bounds();
+                (low - *reach, high + *reach)
+            }
+        }
+    }
+
+    fn validate(&self) -> Result<(), InvalidInput> {
+        let size = |field: &str, value: f32| check_range(field, value, 1e-5, REACH, "m");
+        match self {
+            &Self::Box { half_extents } => return Shape::Box { half_extents }.validate(),
+            &Self::Sphere { radius } => return Shape::Sphere { radius }.validate(),
+            Self::HalfSpace => Ok(()),
+            &Self::Cylinder { radius, half_height }
+            | &Self::Capsule { radius, half_height }
+            | &Self::Cone { radius, half_height } => {
+                size("radius", radius).and_then(|()| size("half_height", half_height))
+            }
+            &Self::Cup { radius, half_height, thickness } => size("radius", radius)
+                .and_then(|()| size("half_height", half_height))
+                .and_then(|()| size("thickness", thickness)),
+            Self::Mesh { mesh } => mesh.validate().map_err(|error| error.inside("mesh")),
+            Self::Ground { field, thickness } => {
+                size("thickness", *thickness).and_then(|()| field.validate().map_err(|error| error.inside("field")))
+            }
+            Self::Around { room, thickness } => {
+                size("thickness", *thickness).and_then(|()| room.validate().map_err(renamed("room")))
+            }
+            Self::Skin { shape, reach } => {
+                size("reach", *reach).and_then(|()| shape.validate().map_err(renamed("shape")))
+            }
+        }
+        .map_err(|error| error.inside("shape"))
+    }
+}
+
+/// The path of a shape's error, seen from the field the shape is in.
+fn renamed(field: &'static str) -> impl Fn(InvalidInput) -> InvalidInput {
+    move |error| {
+        let path = error.field.strip_prefix("shape").unwrap_or(&error.field).to_owned();
+        InvalidInput { field: format!("{field}{path}"), ..error }
+    }
+}
+
+fn signed(point: DVec3, nearest: DVec3, is_inside: bool) -> (f32, Vec3) {
+    let way = point - nearest;
+    let distance = way.length() as f32;
+    let normal = way.as_vec3().normalize_or(Vec3::Y);
+    if is_inside { (-distance, -normal) } else { (distance, normal) }
+}
+
+fn distance_of(profile: &Profile, local: Vec3) -> (f32, Vec3) {
+    let point = local.as_dvec3();
+    signed(point, profile.nearest(point), profile.encloses(point))
+}
+
+/// Sides and bottom of ground are no faces that fluid touches: of points inside, the surface alone counts, and what is below or
+/// beside it is outside.
+fn ground_distance(field: &HeightField, thickness: f32, local: Vec3) -> (f32, Vec3) {
+    let point = local.as_dvec3();
+    let bottom = field.surface().bounds().0.y - thickness;
+    let nearest = field.surface().nearest(point, f64::INFINITY).unwrap_or(point);
+    if local.y < bottom {
+        return (bottom - local.y, Vec3::NEG_Y);
+    }
+    let is_inside = field.covers(local.x, local.z, 0.0) && local.y < field.height(local.x, local.z);
+    signed(point, nearest, is_inside)
+}
+
 /// A closed shape with no fluid in it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Solid {
-    /// Its shape; sizes from 1e-5 to 1e6 m.
-    pub shape: Shape,
+    /// Its shape.
+    pub shape: SolidShape,
     /// Centre of the shape, m, within 1e6 m of the origin.
     pub center: Vec3,
     /// Orientation of the shape, a unit quaternion.
@@ -31,18 +248,18 @@ pub struct Solid {
 impl Solid {
     /// A box of half its edge lengths, m, that is not turned.
     pub fn block(half_extents: Vec3, center: Vec3) -> Self {
-        Self { shape: Shape::Box { half_extents }, center, rotation: Quat::IDENTITY }
+        Self { shape: SolidShape::Box { half_extents }, center, rotation: Quat::IDENTITY }
     }
 
     /// A ball of a radius in m.
     pub fn ball(radius: f32, center: Vec3) -> Self {
-        Self { shape: Shape::Sphere { radius }, center, rotation: Quat::IDENTITY }
+        Self { shape: SolidShape::Sphere { radius }, center, rotation: Quat::IDENTITY }
     }
 
     /// The same, moved and turned with the frame it is given in.
     #[must_use]
     pub fn placed(&self, position: Vec3, rotation: Quat) -> Self {
-        Self { center: position + rotation * self.center, rotation: rotation * self.rotation, ..*self }
+        Self { center: position + rotation * self.center, rotation: rotation * self.rotation, ..self.clone() }
     }
 
     /// Whether a point is more than `tolerance` metres (0 or more) below the surface. A point on the surface is outside.
@@ -56,15 +273,14 @@ impl Solid {
         (distance, self.rotation * normal)
     }
 
-    /// Half the edges of the box along the axes that is around it, m.
-    fn reach(&self) -> Vec3 {
-        match self.shape {
-            Shape::Box { half_extents } => {
-                let axes = Mat3::from_quat(self.rotation) * Mat3::from_diagonal(half_extents);
-                axes.x_axis.abs() + axes.y_axis.abs() + axes.z_axis.abs()
-            }
-            Shape::Sphere { radius } => Vec3::splat(radius),
+    /// Middle, relative to the centre, and half the edges of the box along the axes that is around it, m.
+    fn reach(&self) -> (Vec3, Vec3) {
+        let (low, high) = self.shape.bounds();
+        if !high.is_finite() {
+            return (Vec3::ZERO, Vec3::INFINITY);
         }
+        let axes = Mat3::from_quat(self.rotation) * Mat3::from_diagonal(0.5 * (high - low));
+        (self.rotation * (0.5 * (low + high)), axes.x_axis.abs() + axes.y_axis.abs() + axes.z_axis.abs())
     }
 
     pub(crate) fn validate(&self) -> Result<(), InvalidInput> {
@@ -78,16 +294,48 @@ impl Boundary {
     ///
     /// A [box](BoundaryShape::Box) is, all of it. A [plane](BoundaryShape::Plane) and the faces of a
     /// [container](BoundaryShape::Container) are walls twice as thick as their samples lie deep, for the samples push to both
-    /// sides alike: what is farther behind is not in the wall but beyond it, where another tank may stand.
+    /// sides alike: what is farther behind is not in the wall but beyond it, where another tank may stand. So is the wall around any
+    /// other room, and a surface with fluid on both sides, which is in the middle of its wall.
     pub fn solids(&self, layer: &WallLayer) -> Vec<Solid> {
         let thickness = 2.0 * layer.depth;
         let place = |solid: Solid| solid.placed(self.center, self.rotation);
-        match self.shape {
-            BoundaryShape::Box { half_extents } => vec![place(Solid::block(half_extents, Vec3::ZERO))],
-            BoundaryShape::Plane { half_extents: [x, z] } => {
+        let shaped = |shape: SolidShape| place(Solid { shape, center: Vec3::ZERO, rotation: Quat::IDENTITY });
+        let sided = |shape: SolidShape, fluid: FluidSide| {
+            vec![shaped(match fluid {
+                FluidSide::Outside => shape,
+                FluidSide::Inside => SolidShape::Around { room: Box::new(shape), thickness },
+                FluidSide::Both => SolidShape::Skin { shape: Box::new(shape), reach: layer.depth },
+            })]
+        };
+        match &self.shape {
+            &BoundaryShape::HalfSpace { .. } => vec![shaped(SolidShape::HalfSpace)],
+            &BoundaryShape::Sphere { radius, fluid } => sided(SolidShape::Sphere { radius }, fluid),
+            &BoundaryShape::Cylinder { radius, half_height, fluid } => {
+                sided(SolidShape::Cylinder { radius, half_height }, fluid)
+            }
+            &BoundaryShape::Capsule { radius, half_height, fluid } => {
+                sided(SolidShape::Capsule { radius, half_height }, fluid)
+            }
+            &BoundaryShape::Cone { radius, half_height, fluid } => {
+                sided(SolidShape::Cone { radius, half_height }, fluid)
+            }
+            &BoundaryShape::Cup { radius, half_height, thickness } => {
+                vec![shaped(SolidShape::Cup { radius, half_height, thickness })]
+            }
+            BoundaryShape::ConvexHull { points } => {
+                convex_hull(points).map(|mesh| shaped(SolidShape::Mesh { mesh })).into_iter().collect()
+            }
+            BoundaryShape::Mesh { mesh, fluid } => {
+                sided(SolidShape::Mesh { mesh: mesh.clone() }, side_of(mesh, *fluid))
+            }
+            BoundaryShape::HeightField { field } => {
+                vec![shaped(SolidShape::Ground { field: field.clone(), thickness })]
+            }
+            &BoundaryShape::Box { half_extents } => vec![place(Solid::block(half_extents, Vec3::ZERO))],
+            &BoundaryShape::Plane { half_extents: [x, z] } => {
                 vec![place(Solid::block(Vec3::new(x, layer.depth, z), Vec3::NEG_Y * layer.depth))]
             }
-            BoundaryShape::Container { half_extents, open } => {
+            &BoundaryShape::Container { half_extents, open } => {
                 // Corners are closed where both faces are.
                 let beyond = |face: usize| if open[face] { 0.0 } else { thickness };
                 let low = -half_extents - Vec3::from([0, 2, 4].map(beyond));
@@ -104,6 +352,61 @@ impl Boundary {
                 (0..6).filter(|&face| !open[face]).map(slab).collect()
             }
         }
+    }
+}
+
+impl Boundary {
+    /// Whether a point is where no fluid may ever be, by more than `tolerance` metres (0 or more): in a solid, however deep, or
+    /// outside of a room that has no opening, however far.
+    ///
+    /// For tests of whether walls hold, which ask it of every particle. Where there is no telling, as what is there may have come by
+    /// another way, the answer is no: behind a plane, outside of an open container, on either side of a surface with fluid on both.
+    pub fn is_on_wrong_side(&self, point: Vec3, tolerance: f32) -> bool {
+        let local = self.rotation.conjugate() * (point - self.center);
+        let depth_in = |shape: SolidShape| -shape.distance(local).0;
+        let depth = |shape: SolidShape, fluid: FluidSide| match fluid {
+            FluidSide::Outside => depth_in(shape),
+            FluidSide::Inside => -depth_in(shape),
+            FluidSide::Both => f32::NEG_INFINITY,
+        };
+        let found = match &self.shape {
+            &BoundaryShape::Container { half_extents, open } if open == [false; 6] => {
+                -depth_in(SolidShape::Box { half_extents })
+            }
+            BoundaryShape::Container { .. } | BoundaryShape::Plane { .. } => f32::NEG_INFINITY,
+            &BoundaryShape::Box { half_extents } => depth_in(SolidShape::Box { half_extents }),
+            &BoundaryShape::HalfSpace { half_extents: [x, z] } => {
+                if local.x.abs() <= x && local.z.abs() <= z {
+                    -local.y
+                } else {
+                    f32::NEG_INFINITY
+                }
+            }
+            &BoundaryShape::Sphere { radius, fluid } => depth(SolidShape::Sphere { radius }, fluid),
+            &BoundaryShape::Cylinder { radius, half_height, fluid } => {
+                depth(SolidShape::Cylinder { radius, half_height }, fluid)
+            }
+            &BoundaryShape::Capsule { radius, half_height, fluid } => {
+                depth(SolidShape::Capsule { radius, half_height }, fluid)
+            }
+            &BoundaryShape::Cone { radius, half_height, fluid } => {
+                depth(SolidShape::Cone { radius, half_height }, fluid)
+            }
+            &BoundaryShape::Cup { radius, half_height, thickness } => {
+                depth_in(SolidShape::Cup { radius, half_height, thickness })
+            }
+            BoundaryShape::ConvexHull { points } => {
+                convex_hull(points).map_or(f32::NEG_INFINITY, |mesh| depth_in(SolidShape::Mesh { mesh }))
+            }
+            BoundaryShape::Mesh { mesh, fluid } => {
+                depth(SolidShape::Mesh { mesh: mesh.clone() }, side_of(mesh, *fluid))
+            }
+            // However deep: what is below it went through.
+            BoundaryShape::HeightField { field } => {
+                depth_in(SolidShape::Ground { field: field.clone(), thickness: REACH })
+            }
+        };
+        found > tolerance
     }
 }
 
@@ -149,9 +452,11 @@ impl Obstacles {
         let low = points.iter().copied().fold(Vec3::INFINITY, Vec3::min) - margin;
         let high = points.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max) + margin;
         let is_near = |(_, solid): &(usize, Solid)| {
-            let way = solid.center.clamp(low, high) - solid.center;
+            let (middle, reach) = solid.reach();
+            let middle = solid.center + middle;
+            let way = middle.clamp(low, high) - middle;
             // Along an axis that repeats, images are anywhere.
-            periodic.across(way).abs().cmple(solid.reach()).all()
+            periodic.across(way).abs().cmple(reach).all()
         };
         let solids = if points.is_empty() { Vec::new() } else { all.filter(is_near).collect() };
         Self { solids, periodic, spacing }
@@ -166,7 +471,7 @@ impl Obstacles {
     pub(crate) fn place(&self, point: Vec3) -> Place {
         let calm = CALM * self.spacing;
         let mut nearest = (calm - TOLERANCE * self.spacing, Place::Free);
-        for &(owner, solid) in &self.solids {
+        for &(owner, ref solid) in &self.solids {
             let (distance, normal) = solid.distance(self.periodic.nearest(point - solid.center));
             if distance < -TOLERANCE * self.spacing {
                 return Place::Inside(owner);
@@ -241,7 +546,7 @@ impl Plan {
         let mut all = Vec::new();
         for command in &input.commands {
             if let Command::Spawn(new) = command {
-                let walls = self.boundary.solids.iter().map(|&solid| (Owner::Wall as usize, solid));
+                let walls = self.boundary.solids.iter().map(|solid| (Owner::Wall as usize, solid.clone()));
                 let solids = walls.chain(self.body_solids(&input.bodies));
                 let found = self.misplaced(&new.positions, solids, new.at.is_none());
                 all.extend(found.into_iter().map(|one| Misplaced { index: first + one.index, ..one }));
@@ -359,7 +664,7 @@ mod tests {
     #[test]
     fn only_what_is_near_is_asked_and_images_are() {
         let solids = [Solid::ball(0.5, Vec3::ZERO), Solid::ball(0.5, Vec3::X * 9.0)];
-        let numbered = || (0..).zip(solids);
+        let numbered = || (0..).zip(solids.clone());
         let points = [Vec3::X * 8.0, Vec3::X * 8.8];
         let obstacles = Obstacles::near(&points, numbered(), Periodic::default(), 0.1);
         assert_eq!(obstacles.solids.len(), 1);
@@ -389,7 +694,7 @@ mod tests {
     fn a_way_out_of_a_corner_and_none_from_between_walls() {
         let tank = Boundary::open_box(Vec3::ONE, Vec3::ZERO).solids(&layer());
         let way_out = |points: &[Vec3]| {
-            let solids = tank.iter().map(|&solid| (0, solid));
+            let solids = tank.iter().map(|solid| (0, solid.clone()));
             Obstacles::near(points, solids, Periodic::default(), 0.1).way_out(points)
         };
         // 0.02, 0.05 and 0.01 m from three faces, where 0.05 m are needed.

@@ -123,6 +123,73 @@ fn writing_and_reading_gives_the_same_scene() {
     }
 }
 
+/// One boundary of each shape, as text.
+const SHAPES: &str = "(
+    resolution: Spacing(0.1),
+    boundaries: [
+        (shape: HalfSpace(half_extents: (2, 3)), center: (0, -9, 0)),
+        (shape: Sphere(radius: 0.5, fluid: Inside), center: (0, 0, 0)),
+        (shape: Cylinder(radius: 0.5, half_height: 0.4), center: (2, 0, 0)),
+        (shape: Capsule(radius: 0.51, half_height: 0.4, fluid: Both), center: (4, 0, 0)),
+        (shape: Cone(radius: 0.52, half_height: 0.4), center: (6, 0, 0)),
+        (shape: Cup(radius: 0.53, half_height: 0.4, thickness: 0.2), center: (8, 0, 0)),
+        (shape: ConvexHull(points: [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1.5)]), center: (10, 0, 0)),
+        (shape: Mesh(mesh: (
+            vertices: [(0, 0, 0), (1, 0, 0), (0, 2.5, 0)],
+            triangles: [(0, 1, 2)],
+        )), center: (12, 0, 0)),
+        (shape: HeightField(field: (size: (1.5, 1), counts: (2, 2),
+            heights: [0, 1, 0, 0.25],
+        )), center: (14, 0, 0)),
+    ],
+)";
+
+#[test]
+fn every_shape_of_a_boundary_is_read_written_and_planned() {
+    let (scene, plan) = plan_from_ron(SHAPES).unwrap();
+    let BoundaryShape::Cylinder { fluid: FluidSide::Outside, .. } = scene.boundaries[2].shape else { panic!() };
+    let BoundaryShape::Mesh { ref mesh, fluid: None } = scene.boundaries[7].shape else { panic!() };
+    assert_eq!(mesh.triangles(), [[0, 1, 2]]);
+    let text = scene.to_ron().unwrap();
+    assert_eq!(FluidScene::from_ron(&text).unwrap(), scene, "{text}");
+    assert_eq!(plan.boundary.solids.len(), 9);
+    for boundary in &scene.boundaries {
+        let samples = plan.boundary.positions.iter().filter(|x| x.distance(boundary.center) < 1.0).count();
+        assert!(samples > 30 || matches!(boundary.shape, BoundaryShape::ConvexHull { .. }), "{boundary:?}");
+    }
+    assert!(plan.to_string().contains(&format!("{} wall samples", plan.boundary.positions.len())));
+}
+
+#[test]
+fn a_bad_shape_of_a_boundary_is_reported_with_line_and_field() {
+    for (from, to, parts) in [
+        ("half_extents: (2, 3)", "half_extents: (2, -3)", ["boundaries[0].shape.half_extents: -3", "0.00001 to"]),
+        ("radius: 0.5, fluid: Inside", "radius: 0, fluid: Inside", ["boundaries[1].shape.radius: 0 ", "0.00001 to"]),
+        (
+            "radius: 0.5, half_height: 0.4)",
+            "radius: 0.5, half_height: -1)",
+            ["[2].shape.half_height: -1", "0.00001 to"],
+        ),
+        ("radius: 0.51", "radius: 2e6", ["boundaries[3].shape.radius: 2000000", "to 1000000 m"]),
+        ("radius: 0.52", "radius: 1e-6", ["boundaries[4].shape.radius: 0.000001", "0.00001 to"]),
+        ("thickness: 0.2", "thickness: 0", ["boundaries[5].shape.thickness: 0", "0.00001 to"]),
+        ("(0, 0, 1.5)", "(0.5, 0.5, 0)", ["boundaries[6].shape.points: points of one plane", "span a volume"]),
+        ("(0, 0, 1.5)", "(0, 0, NaN)", ["boundaries[6].shape.points[3]: [0, 0, NaN]", "within 1000000 m"]),
+        ("(0, 2.5, 0)", "(0, NaN, 0)", ["boundaries[7].shape.mesh.vertices[2]: [0, NaN, 0]", "within 1000000 m"]),
+        ("triangles: [(0, 1, 2)]", "triangles: [(0, 1, 3)]", ["boundaries[7].shape.mesh.triangles[0]: 3 ", "0 to 2"]),
+        ("triangles: [(0, 1, 2)]", "triangles: []", ["boundaries[7].shape.mesh.triangles: 0 of them", "1 to"]),
+        ("heights: [0, 1, 0, 0.25]", "heights: [0, 1, 0]", ["boundaries[8].shape.field.heights: 3 of them", "4, as"]),
+        ("heights: [0, 1, 0, 0.25]", "heights: [0, 1, 0, inf]", ["boundaries[8].shape.field.heights[3]: inf", "m"]),
+        ("counts: (2, 2)", "counts: (1, 4)", ["boundaries[8].shape.field.counts: 1 x 4", "at least 2"]),
+    ] {
+        assert_eq!(SHAPES.matches(from).count(), 1, "{from}");
+        let line = 1 + SHAPES[..SHAPES.find(from).unwrap()].matches('\n').count();
+        let error = FluidScene::from_ron(&SHAPES.replace(from, to)).unwrap_err();
+        assert_says(&error, &parts);
+        assert_says(&error, &[&format!("line {line}: ")]);
+    }
+}
+
 #[test]
 fn what_could_not_be_read_again_is_not_written() {
     let error = FluidScene::with_spacing(f32::NAN).to_ron().unwrap_err();

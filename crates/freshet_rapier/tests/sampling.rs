@@ -47,7 +47,7 @@ fn samples_are_about_the_centre_of_mass() {
         assert!((depth - layer().depth).abs() < 1e-5, "{sample}");
     }
     // What is solid lies as they do.
-    let [solid] = body.solids[..] else { panic!("{:?}", body.solids) };
+    let [ref solid] = body.solids[..] else { panic!("{:?}", body.solids) };
     let (inside, outside) = (Vec3::new(0.09, 0.19, 0.14), Vec3::new(0.11, 0.19, 0.14));
     let turn = back.conjugate();
     assert!(solid.contains(turn * inside, 0.0) && !solid.contains(turn * outside, 0.0), "{solid:?}");

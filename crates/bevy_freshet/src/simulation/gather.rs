@@ -10,7 +10,7 @@ use super::pours::Poured;
 use super::problems::Problem;
 use super::recipe::{FreshVolume, Recipe, Source, Wall};
 use super::state::BodySamples;
-use crate::components::boundary::{FluidBoundary, FluidBoundaryShape};
+use crate::components::boundary::FluidBoundary;
 use crate::components::container::FluidContainer;
 use crate::components::domain::FluidDomain;
 use crate::components::emitter::FluidEmitter;
@@ -121,10 +121,7 @@ impl Sources<'_, '_> {
             gather.wall(entity, "FluidContainer", shape, container.viscous_faces, &mut walls);
         }
         for (entity, boundary, _) in self.boundaries.iter().filter(|item| belongs(item.2)) {
-            let shape = match boundary.shape {
-                FluidBoundaryShape::Cuboid { half_size } => BoundaryShape::Box { half_extents: half_size },
-                FluidBoundaryShape::Plane { half_size } => BoundaryShape::Plane { half_extents: half_size.to_array() },
-            };
+            let shape = boundary.shape.to_model();
             gather.wall(entity, "FluidBoundary", shape, boundary.viscous_faces, &mut walls);
         }
         // Queries follow archetypes; sorted, the same scene is the same however it was put together.

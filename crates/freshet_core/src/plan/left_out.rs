@@ -56,7 +56,7 @@ pub(super) fn leave_out(
     for (volume, (first, count)) in ids.iter_mut().enumerate() {
         let range = *first as usize..(*first + *count) as usize;
         let points = &positions[range.clone()];
-        let obstacles = Obstacles::near(points, solids.iter().copied(), *periodic, layer.spacing());
+        let obstacles = Obstacles::near(points, solids.iter().cloned(), *periodic, layer.spacing());
         let mut note = |boundary: usize, inside: u32, crowded: u32| match left_out
             .iter_mut()
             .find(|some| (some.volume, some.boundary) == (volume, boundary))

@@ -7,11 +7,12 @@ use glam::Vec3;
 use super::SceneError;
 use super::checks::{check_crowding, check_precision, check_walls_within, check_width};
 use crate::error::InvalidInput;
+use crate::geometry::convex_hull;
 use crate::overlap::check_overlap;
 use crate::periodic::Periodic;
 use crate::sampling::lattice::{sample_box, sample_sphere};
 use crate::sampling::wall_layer::WallLayer;
-use crate::scene::{Body, Boundary, BoundaryShape, MAX_PARTICLES, Shape, Volume};
+use crate::scene::{Body, Boundary, BoundaryShape, FluidSide, MAX_PARTICLES, Shape, Volume, side_of};
 use crate::solid::Solid;
 
 /// Samples of all boundaries that do not move.
@@ -122,7 +123,12 @@ fn boundary_area(boundary: &Boundary) -> f64 {
     let (half_extents, open) = match boundary.shape {
         BoundaryShape::Container { half_extents, open } => (half_extents.as_dvec3(), open),
         BoundaryShape::Box { half_extents } => (half_extents.as_dvec3(), [false; 6]),
-        BoundaryShape::Plane { half_extents: [x, z] } => return 4.0 * f64::from(x) * f64::from(z),
+        BoundaryShape::Plane { half_extents: [x, z] } | BoundaryShape::HalfSpace { half_extents: [x, z] } => {
+            return 4.0 * f64::from(x) * f64::from(z);
+        }
+        BoundaryShape::Sphere { radius, .. } => return 4.0 * std::f64::consts::PI * f64::from(radius).powi(2),
+        // Their samplers refuse what is too large themselves, long before it is too much for a scene.
+        _ => return 0.0,
     };
     let face = |axis: usize| 4.0 * half_extents[(axis + 1) % 3] * half_extents[(axis + 2) % 3];
     (0..6).filter(|&index| !open[index]).map(|index| face(index / 2)).sum()
@@ -153,10 +159,20 @@ pub(super) fn bear(pressures: &mut [f32], positions: &[Vec3], gravity: Vec3, res
 
 /// Samples of one boundary at the depth of `layer`, in world coordinates.
 pub fn sample_boundary(boundary: &Boundary, layer: &WallLayer) -> Result<Vec<Vec3>, InvalidInput> {
-    let local = match boundary.shape {
-        BoundaryShape::Container { half_extents, open } => layer.container(half_extents, open),
-        BoundaryShape::Box { half_extents } => layer.box_surface(half_extents),
-        BoundaryShape::Plane { half_extents } => {
+    let local = match &boundary.shape {
+        &BoundaryShape::Container { half_extents, open } => layer.container(half_extents, open),
+        &BoundaryShape::Box { half_extents } => layer.box_surface(half_extents),
+        &BoundaryShape::Sphere { radius, fluid } => layer.sphere(radius, fluid),
+        &BoundaryShape::Cylinder { radius, half_height, fluid } => layer.cylinder(radius, half_height, fluid),
+        &BoundaryShape::Capsule { radius, half_height, fluid } => layer.capsule(radius, half_height, fluid),
+        &BoundaryShape::Cone { radius, half_height, fluid } => layer.cone(radius, half_height, fluid),
+        &BoundaryShape::Cup { radius, half_height, thickness } => layer.cup(radius, half_height, thickness),
+        BoundaryShape::ConvexHull { points } => {
+            convex_hull(points).and_then(|mesh| layer.mesh(&mesh, FluidSide::Outside))
+        }
+        BoundaryShape::Mesh { mesh, fluid } => layer.mesh(mesh, side_of(mesh, *fluid)),
+        BoundaryShape::HeightField { field } => layer.height_field(field),
+        BoundaryShape::Plane { half_extents } | BoundaryShape::HalfSpace { half_extents } => {
             layer.plane(Vec3::Y, half_extents[0], half_extents[1]).map_err(|error| match error.field.as_str() {
                 "half_extent_u" => InvalidInput { field: "half_extents[0]".to_owned(), ..error },
                 "half_extent_v" => InvalidInput { field: "half_extents[1]".to_owned(), ..error },
@@ -175,7 +191,8 @@ fn is_viscous(boundary: &Boundary, layer: &WallLayer, sample: Vec3) -> bool {
     let reach = match boundary.shape {
         BoundaryShape::Container { half_extents, .. } => half_extents + layer.depth,
         BoundaryShape::Box { half_extents } => half_extents - layer.depth,
-        BoundaryShape::Plane { .. } => return boundary.viscous_faces[3],
+        BoundaryShape::Plane { .. } | BoundaryShape::HalfSpace { .. } => return boundary.viscous_faces[3],
+        _ => return boundary.viscous_faces.contains(&true),
     } - 0.5 * layer.spacing();
     (0..3).any(|axis| {
         let [below, above] = [boundary.viscous_faces[2 * axis], boundary.viscous_faces[2 * axis + 1]];

@@ -5,6 +5,11 @@
 
 pub mod boundary;
 pub mod lattice;
+mod level_set;
+mod poisson;
+pub mod shapes;
+mod surface;
+mod thin_parts;
 pub mod volume_weights;
 pub mod wall_layer;
 
@@ -14,6 +19,9 @@ use crate::error::{InvalidInput, check_range};
 
 /// Most samples that one call makes, 64 Mi; it is checked before any memory is taken.
 pub const MAX_SAMPLES: usize = 64 << 20;
+
+/// Most samples of a layer behind a curved surface or a mesh, 2 Mi; it is estimated by the area, before any memory is taken.
+pub const MAX_CURVED_SAMPLES: usize = 2 << 20;
 
 /// Smallest spacing of samples, in metres.
 pub const MIN_SPACING: f32 = 1.0e-6;
@@ -54,6 +62,16 @@ fn check_count(spacing: f64, count: f64) -> Result<usize, InvalidInput> {
             format_args!("a spacing for at most {MAX_SAMPLES} samples; this one makes {count:.3e}").to_string();
         Err(InvalidInput::new("spacing", spacing as f32, allowed))
     }
+}
+
+/// Refuses a curved layer of more than [`MAX_CURVED_SAMPLES`] by an estimate, which may be far beyond any integer.
+fn check_estimate(count: f64, spacing: f64) -> Result<(), InvalidInput> {
+    if count <= MAX_CURVED_SAMPLES as f64 { Ok(()) } else { Err(too_many(spacing, count)) }
+}
+
+fn too_many(spacing: f64, count: f64) -> InvalidInput {
+    let allowed = format!("a spacing for at most {MAX_CURVED_SAMPLES} samples; this one makes {count:.3e}");
+    InvalidInput::new("spacing", spacing as f32, allowed)
 }
 
 /// The error of a shape thinner than `least` metres, which is what the spacing allows.
