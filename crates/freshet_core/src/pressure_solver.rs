@@ -43,13 +43,14 @@ pub enum PressureSolver {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DivergenceFree {
-    /// Mean of `max(rho / rho0 - 1, 0)` over the particles, with which positions are left as they are, 1e-6 to 0.1.
+    /// Mean of `max(rho / rho0 - 1, 0)` over the particles, with which positions are left as they are, 1e-6 to 0.1; of `|R|` once they
+    /// are corrected.
     pub compression: f32,
     /// Mean relative change of density in a substep at which divergence iterations end, 1e-6 to 0.1. In a flow slower than
     /// [`courant_factor`](crate::scene::Settings::courant_factor) allows it is smaller in proportion, down to
     /// [`LEAST_DIVERGENCE`](Self::LEAST_DIVERGENCE): water at rest is solved as well as it can be.
     pub divergence: f32,
-    /// Most iterations of each of the two solves in a substep, 1 to 10,000.
+    /// Most iterations of each of the two solves in a substep, 2 to 10,000: the first only finds out what is left to do.
     pub max_iterations: u32,
 }
 
@@ -71,6 +72,10 @@ impl DivergenceFree {
     pub const PRESSURE_FACTOR: f32 = 0.7;
     /// Share of a lack of density of up to [`LACK`](Self::LACK) that a substep may make up for in a slow flow; no unit.
     pub const FILLING: f32 = 0.1;
+    /// Least diagonal over that of the lattice: what has next to no neighbours is not thrown by them; no unit.
+    pub const LEAST_DIAGONAL: f32 = 0.02;
+    /// Shortest substep that is solved, s: in less nothing moves that single precision could tell.
+    pub const SHORTEST: f32 = 1e-9;
     /// Lack of density of water that is only a little uneven; what lacks more is on a surface or flies. No unit.
     pub const LACK: f32 = 0.01;
 
@@ -89,8 +94,8 @@ impl DivergenceFree {
     pub(crate) fn validate(&self) -> Result<(), InvalidInput> {
         check_range("compression", self.compression, 1e-6, 0.1, "")?;
         check_range("divergence", self.divergence, 1e-6, 0.1, "")?;
-        if !(1..=10_000).contains(&self.max_iterations) {
-            return Err(InvalidInput::new("max_iterations", self.max_iterations, "1 to 10000"));
+        if !(2..=10_000).contains(&self.max_iterations) {
+            return Err(InvalidInput::new("max_iterations", self.max_iterations, "2 to 10000"));
         }
         Ok(())
     }
@@ -111,6 +116,12 @@ pub fn largest_eigenvalue(kernel: &Kernel, spacing: f32) -> f64 {
         sum.length_squared() / diagonal
     };
     waves().map(of_wave).fold(0.0, f64::max)
+}
+
+/// `d^6 sum_b |grad W|^2` on a cubic lattice of `spacing` metres, 1/m2: `K` of a particle in it is `rho0 / (S G)` times this.
+pub fn lattice_diagonal(kernel: &Kernel, spacing: f32) -> f64 {
+    let squares: f64 = neighbours(kernel, spacing).iter().map(|near| near.slope * near.slope).sum();
+    f64::from(spacing).powi(6) * squares
 }
 
 /// The largest frequency `omega` of particles on a cubic lattice of `spacing` metres under an even pressure `p`, as

@@ -160,6 +160,7 @@ pub struct Volume {
     pub velocity: Vec3,
     /// Whether its particles start as dense as water standing in it would be: closer together with depth, by 0.1 % and less.
     /// Without, a column starts with a bounce that rings for seconds.
+    /// An incompressible fluid starts under the pressure of standing water instead.
     #[serde(default = "yes")]
     pub hydrostatic: bool,
 }
@@ -249,7 +250,7 @@ pub struct Settings {
     pub viscosity_model: Option<ViscosityModel>,
     /// Substep over `h / (c + v)`, or, of an incompressible fluid, over `d / v`: 0.01 to 1.
     pub courant_factor: f32,
-    /// Substep over `sqrt(h / a)`, 0.01 to 1.
+    /// Substep over `sqrt(h / a)`, 0.01 to 1; an incompressible fluid does not need it.
     pub force_factor: f32,
     /// Substep over `h^2 / nu`, 0.01 to 1.
     pub viscous_factor: f32,

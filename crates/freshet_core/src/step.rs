@@ -262,7 +262,7 @@ pub struct StepReport {
     pub mean_compression: f32,
     /// Largest `density / rest_density - 1` of any particle in the tick.
     pub max_compression: f32,
-    /// Largest speed in the last substep, m/s.
+    /// Largest speed in the last substep, m/s; of an incompressible fluid that which particles were expected to leave it with.
     pub max_speed: f32,
     /// Iterations of [divergence solves](crate::pressure_solver::DivergenceFree) in this tick, over all substeps; zero for a plan
     /// without.

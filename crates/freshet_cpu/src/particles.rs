@@ -50,6 +50,10 @@ impl Particles {
         self.resize(index + 1);
         self.id[index] = id;
         self.life[index] = life;
+        // Where there was padding there may be what is left of a particle that fell out.
+        if let Some(pressure) = self.pressure.get_mut(index) {
+            *pressure = 0.0;
+        }
         for axis in 0..3 {
             self.position[axis][index] = position[axis];
             self.velocity[axis][index] = velocity[axis];

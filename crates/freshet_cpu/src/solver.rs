@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use freshet_core::field::{Field, FieldData};
 use freshet_core::kernel::Kernel;
 use freshet_core::plan::{Plan, StageKind};
-use freshet_core::pressure_solver::PressureSolver;
+use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
 use freshet_core::solid::Misplaced;
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
@@ -225,6 +225,7 @@ impl CpuSolver {
             self.pressure_term = Vec::new();
             self.density.clear();
             self.particles.keep_pressures(solves);
+            self.last_substep = 0.0;
         }
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
         self.workspaces = self.workers.spaces();
@@ -389,7 +390,7 @@ impl CpuSolver {
             step_control::substep(&self.plan.parameters, &maxima, &self.bodies, self.gravity, remaining)
         });
         if let PressureSolver::DivergenceFree(solver) = self.plan.parameters.pressure_solver
-            && dt > 0.0
+            && dt >= DivergenceFree::SHORTEST
         {
             let way = (maxima.speed_squared.sqrt() * dt / self.plan.parameters.longest_way()).min(1.0);
             let solved = tally.timed("divergence_solve", || self.divergence_solve_stage(&solver, dt, way));

@@ -50,18 +50,21 @@ fn compare(scene: &FluidScene, threads: usize, what: &str) {
     // So many that all threads share the passes.
     assert!(plan.positions.len() > 1000 * threads, "{}", plan.positions.len());
     let mut solver = CpuSolver::new(plan, CpuOptions { threads: Some(threads), ..CpuOptions::default() }).unwrap();
-    for at in 0..10 {
+    for at in 0..5 {
         tick(&mut solver, at, 0.01);
     }
     // A tick has its report and a few lists of its own; the least of several, as a thread may be new to the pool's own lists.
     let least = |solver: &mut CpuSolver, first: u64, duration: f32| {
         (first..first + 3).map(|at| tick(solver, at, duration)).min().unwrap()
     };
-    let short = least(&mut solver, 10, 0.002);
-    let long = least(&mut solver, 13, 0.01);
+    let short = least(&mut solver, 5, 0.002);
+    let long = least(&mut solver, 8, 0.01);
     println!("{what}, {threads} threads: {short:?} and {long:?} allocations and substeps");
     assert!(long.1 > short.1 + 3, "{what}: {short:?} and {long:?} allocations and substeps of two ticks");
-    assert_eq!(long.0, short.0, "{what}, {threads} threads: {} substeps more allocate", long.1 - short.1);
+    // What a substep allocates comes once for each of them; the pool's own queue takes a block for some fifty jobs that no thread
+    // picks up at once, on a busy machine now and then one in a tick.
+    let (more, substeps) = (long.0.saturating_sub(short.0), u64::from(long.1 - short.1));
+    assert!(8 * more < substeps, "{what}, {threads} threads: {more} allocations in {substeps} substeps more");
 }
 
 #[test]

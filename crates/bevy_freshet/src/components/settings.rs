@@ -30,9 +30,9 @@ pub struct FluidSettings {
     pub artificial_viscosity: f32,
     /// Near pressure over the square of the speed of sound, 0 to 0.1: see [`Settings::near_pressure`].
     pub near_pressure: f32,
-    /// Substep over `h / (c + v)`, 0.01 to 1; `h` is half the reach of the kernel.
+    /// Substep over `h / (c + v)`, of an incompressible fluid over `d / v`, 0.01 to 1; `h` is half the reach of the kernel.
     pub courant_factor: f32,
-    /// Substep over `sqrt(h / a)`, 0.01 to 1.
+    /// Substep over `sqrt(h / a)`, 0.01 to 1; an incompressible fluid does not need it.
     pub force_factor: f32,
     /// Substep over `h^2 / nu`, 0.01 to 1.
     pub viscous_factor: f32,
@@ -104,7 +104,7 @@ pub enum FluidPressureSolver {
         compression: f32,
         /// Mean change of density in a substep at which iterations end, 1e-6 to 0.1.
         divergence: f32,
-        /// Most iterations of a solve, 1 to 10,000.
+        /// Most iterations of a solve, 2 to 10,000.
         max_iterations: u32,
     },
 }

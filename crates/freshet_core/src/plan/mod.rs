@@ -35,7 +35,9 @@ use crate::equation_of_state::PressureLaw;
 use crate::error::{InvalidInput, check_range};
 use crate::field::Field;
 use crate::grid::Grid;
-use crate::pressure_solver::{DivergenceFree, PressureSolver, largest_eigenvalue, pressure_frequency};
+use crate::pressure_solver::{
+    DivergenceFree, PressureSolver, largest_eigenvalue, lattice_diagonal, pressure_frequency,
+};
 use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{FluidScene, MAX_SPACING, MIN_SPACING};
 
@@ -166,9 +168,14 @@ impl Plan {
             }
         }
         // Lattice sums that no other plan needs.
-        let (eigenvalue, pressure_frequency) = match incompressible {
-            true => (largest_eigenvalue(&kernel, spacing) as f32, pressure_frequency(&kernel, spacing) as f32),
-            false => (1.0, 0.0),
+        let (eigenvalue, pressure_frequency, diagonal) = match incompressible {
+            true => (
+                largest_eigenvalue(&kernel, spacing) as f32,
+                pressure_frequency(&kernel, spacing) as f32,
+                lattice_diagonal(&kernel, spacing) * f64::from(rest_density)
+                    / (kernel.lattice_sum(spacing) * kernel.lattice_gradient_sum(spacing)),
+            ),
+            false => (1.0, 0.0, 0.0),
         };
         for position in &mut positions {
             *position = periodic.wrap(*position);
@@ -191,6 +198,7 @@ impl Plan {
             boundary_depth: layer.depth,
             pressure_solver: settings.pressure_solver,
             relaxation: DivergenceFree::RELAXATION / eigenvalue,
+            least_diagonal: DivergenceFree::LEAST_DIAGONAL * diagonal as f32,
             pressure_frequency,
             pressure_law: PressureLaw { equation, clamp_negative: settings.clamp_negative_pressure },
             sound_speed,

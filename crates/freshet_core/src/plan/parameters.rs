@@ -34,6 +34,9 @@ pub struct Parameters {
     pub pressure_solver: PressureSolver,
     /// Share of a Jacobi step that a [`DivergenceFree`] solver takes; no unit.
     pub relaxation: f32,
+    /// Least diagonal `K` of a [`DivergenceFree`] solver's system, kg s2/m5 over s2: see
+    /// [`lattice_diagonal`](crate::pressure_solver::lattice_diagonal).
+    pub least_diagonal: f32,
     /// Frequency of particles under pressure, see [`pressure_frequency`](crate::pressure_solver::pressure_frequency); no unit.
     pub pressure_frequency: f32,
     /// Pressure as a function of density, if it is one.
@@ -78,7 +81,7 @@ impl Parameters {
     }
 
     /// The substep of an incompressible fluid: its fastest particle, with the speed it is expected to leave the substep with, goes no
-    /// farther than `0.4 d`, nor does any fall farther from rest by gravity (`sqrt(0.4 d/g)`); particles under the largest
+    /// farther than its [way](Self::longest_way), `C d`, nor does any fall farther from rest by gravity (`sqrt(C d/g)`); particles under the largest
     /// `p / rho`, m2/s2, stay in their places ([`DivergenceFree::PRESSURE_FACTOR`]); and that of viscosity.
     pub fn incompressible_limit(&self, max_speed: f32, gravity: f32, max_pressure: f32) -> f32 {
         let way = self.longest_way();

@@ -47,12 +47,14 @@ pub struct Inputs<'a> {
 pub enum Second {
     /// `p / rho^2` by an equation of state, m5/(kg s2).
     PressureTerm(PressureLaw),
-    /// `1/K_a` of the system of an incompressible fluid, in the unit of `p / rho^2` times s2; zero for a particle alone.
+    /// `1/K_a` of the system of an incompressible fluid, in the unit of `p / rho^2` times s2.
     InverseDiagonal {
         /// `(m A / H^5)^2 / (S G rho0)`.
         factor: f32,
         /// `rho0 / m`, 1/m3.
         number_density: f32,
+        /// Least `K`.
+        least: f32,
     },
 }
 
@@ -94,8 +96,8 @@ impl WithKernel for Task<'_> {
         let arch = self.inputs.arch;
         match self.inputs.second {
             Second::PressureTerm(law) => arch.dispatch(Compressible::<K>(self, law, PhantomData)),
-            Second::InverseDiagonal { factor, number_density } => {
-                arch.dispatch(Incompressible::<K>(self, [factor, number_density], PhantomData))
+            Second::InverseDiagonal { factor, number_density, least } => {
+                arch.dispatch(Incompressible::<K>(self, [factor, number_density, least], PhantomData))
             }
         }
     }
@@ -146,7 +148,7 @@ impl<K: SimdKernel> WithSimd for Compressible<'_, K> {
     }
 }
 
-struct Incompressible<'a, K>(Task<'a>, [f32; 2], PhantomData<K>);
+struct Incompressible<'a, K>(Task<'a>, [f32; 3], PhantomData<K>);
 
 impl<K: SimdKernel> WithSimd for Incompressible<'_, K> {
     type Output = Compression;
@@ -154,7 +156,7 @@ impl<K: SimdKernel> WithSimd for Incompressible<'_, K> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Compression {
         let Task { inputs, chunk, workspace, candidates, density, second } = self.0;
-        let [factor, number_density] = self.1;
+        let [factor, number_density, least] = self.1;
         let [x, y, z] = &inputs.particles.position;
         let Workspace { places: fluid, calm: weighted, sums, .. } = workspace;
         fluid.begin(inputs.grid);
@@ -187,8 +189,7 @@ impl<K: SimdKernel> WithSimd for Incompressible<'_, K> {
             for ((density, inverse), &[value, x, y, z, squares]) in results.zip(&*sums) {
                 *density = simd.reduce_sum_f32s(value);
                 let own = sum_vector(simd, [x, y, z]).length_squared();
-                let diagonal = factor * (own + simd.reduce_sum_f32s(squares));
-                *inverse = if diagonal > f32::MIN_POSITIVE { diagonal.recip() } else { 0.0 };
+                *inverse = (factor * (own + simd.reduce_sum_f32s(squares))).max(least).recip();
             }
         }
         compression(inputs.rest_density, density)

@@ -26,12 +26,13 @@ pub(super) struct PressureSolve {
 /// Nesterov's momentum, started again when a step made things worse (O'Donoghue & Candes 2015).
 struct Pace {
     t: f32,
-    best: f32,
+    /// What the iteration before left.
+    last: f32,
 }
 
 impl Default for Pace {
     fn default() -> Self {
-        Self { t: 1.0, best: f32::INFINITY }
+        Self { t: 1.0, last: f32::INFINITY }
     }
 }
 
@@ -46,10 +47,10 @@ impl Pace {
 
     /// Hears what is left.
     fn hear(&mut self, left: f32) {
-        if left > self.best {
+        if left > self.last {
             self.t = 1.0;
         }
-        self.best = left;
+        self.last = left;
     }
 }
 

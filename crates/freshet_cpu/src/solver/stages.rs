@@ -49,7 +49,8 @@ impl CpuSolver {
                 let calibrations = parameters.density_calibration * parameters.gradient_calibration;
                 let factor = gradient * gradient / (calibrations * parameters.rest_density);
                 let number_density = parameters.rest_density / parameters.particle_mass;
-                (Second::InverseDiagonal { factor, number_density }, &mut self.solve.inverse_diagonal)
+                let least = parameters.least_diagonal;
+                (Second::InverseDiagonal { factor, number_density, least }, &mut self.solve.inverse_diagonal)
             }
         };
         let samples = [&self.walls, &self.body_samples.sorted];
