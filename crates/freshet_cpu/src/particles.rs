@@ -107,3 +107,21 @@ impl Particles {
         self.position.iter_mut().chain(&mut self.velocity).chain([&mut self.life]).chain(pressure)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_new_particle_has_no_pressure_of_one_that_is_gone() {
+        let mut particles = Particles::default();
+        particles.keep_pressures(true);
+        for id in 0..20 {
+            particles.push(id, Vec3::ZERO, Vec3::ZERO, f32::INFINITY);
+        }
+        particles.pressure.fill(7.0);
+        particles.resize(5);
+        particles.push(20, Vec3::ZERO, Vec3::ZERO, f32::INFINITY);
+        assert_eq!(particles.pressure[4..6], [7.0, 0.0]);
+    }
+}

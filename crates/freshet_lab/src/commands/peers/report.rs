@@ -196,7 +196,7 @@ fn chart(runs: &[Run]) -> Chart {
     };
     let particles = runs.first().map_or(0, |run| run.particles);
     let title = format!("The benchmark tank with {particles} particles, one run of all systems");
-    Chart { title, panels: vec![cost.fitted(0.0), front], size: (1340, 560) }
+    Chart { title, panels: vec![cost.fitted(0.0), front], size: (1560, 560) }
 }
 
 fn front_points(run: &Run) -> Vec<(f64, f64)> {
