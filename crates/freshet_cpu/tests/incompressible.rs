@@ -1,8 +1,11 @@
 //! Incompressible fluids: the solves against sums over all pairs in double precision, and what must come of them.
 
+mod common;
+
+use common::{run, solver};
 use freshet_core::kernel::Kernel;
 use freshet_core::prelude::*;
-use freshet_cpu::{CpuOptions, CpuSolver};
+use freshet_cpu::CpuSolver;
 use glam::DVec3;
 
 fn incompressible(mut scene: FluidScene, solver: DivergenceFree) -> FluidScene {
@@ -28,23 +31,6 @@ fn dam_break() -> FluidScene {
         ..FluidScene::with_spacing(0.05)
     };
     incompressible(scene, DivergenceFree::default())
-}
-
-fn solver(scene: &FluidScene, threads: usize) -> CpuSolver {
-    CpuSolver::new(Plan::new(scene).unwrap(), CpuOptions { threads: Some(threads), ..CpuOptions::default() }).unwrap()
-}
-
-fn run(solver: &mut CpuSolver, ticks: u64) -> Vec<StepReport> {
-    let start = solver.snapshot().unwrap();
-    let mut scene = SceneRun::resume(&start);
-    (0..ticks)
-        .map(|_| {
-            let input = scene.next(solver.plan(), 1.0 / 60.0, Vec::new());
-            let report = solver.step(&input).unwrap();
-            scene.hear(&report);
-            report
-        })
-        .collect()
 }
 
 fn by_id(solver: &mut CpuSolver, field: Field) -> FieldData {

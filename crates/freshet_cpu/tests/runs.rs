@@ -1,5 +1,8 @@
 //! Whole runs: determinism, conservation, spawning and removing, carried time, snapshots, a body.
 
+mod common;
+
+use common::{run, solver};
 use freshet_core::prelude::*;
 use freshet_cpu::{CpuOptions, CpuSolver};
 use glam::DVec3;
@@ -10,23 +13,6 @@ fn dam_break() -> FluidScene {
         boundaries: vec![Boundary::open_box(Vec3::new(1.0, 1.0, 0.5), Vec3::new(0.5, 0.5, 0.25))],
         ..FluidScene::with_spacing(0.05)
     }
-}
-
-fn solver(scene: &FluidScene, threads: usize) -> CpuSolver {
-    CpuSolver::new(Plan::new(scene).unwrap(), CpuOptions { threads: Some(threads), ..CpuOptions::default() }).unwrap()
-}
-
-fn run(solver: &mut CpuSolver, ticks: u64) -> Vec<StepReport> {
-    let start = solver.snapshot().unwrap();
-    let mut scene = SceneRun::resume(&start);
-    (0..ticks)
-        .map(|_| {
-            let input = scene.next(solver.plan(), 1.0 / 60.0, Vec::new());
-            let report = solver.step(&input).unwrap();
-            scene.hear(&report);
-            report
-        })
-        .collect()
 }
 
 /// FNV-1a over the bits of the state in the order of ids.
