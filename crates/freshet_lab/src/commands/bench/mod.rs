@@ -292,6 +292,15 @@ mod tests {
         }
     }
 
+    pub(super) fn results(runs: &[Run]) -> Results {
+        let rates = [1, 2].map(|threads| Rates { threads, copied_bytes: 10e9, operations: 100e9 });
+        Results { runs: runs.to_vec(), skipped: Vec::new(), rates: rates.to_vec() }
+    }
+
+    pub(super) fn in_scene(scene: BenchScene, run: Run) -> Run {
+        Run { configuration: Configuration { scene, ..run.configuration }, ..run }
+    }
+
     #[derive(Parser)]
     struct Line {
         #[command(flatten)]

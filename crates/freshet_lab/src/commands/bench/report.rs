@@ -263,18 +263,9 @@ fn compared(results: &Results, configuration: &Configuration) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::run;
+    use super::super::tests::{in_scene, results, run};
     use super::*;
     use crate::backend::Hardware;
-
-    fn results(runs: &[Run]) -> Results {
-        let rates = [1, 2].map(|threads| Rates { threads, copied_bytes: 10e9, operations: 100e9 });
-        Results { runs: runs.to_vec(), skipped: Vec::new(), rates: rates.to_vec() }
-    }
-
-    fn in_scene(scene: BenchScene, run: Run) -> Run {
-        Run { configuration: Configuration { scene, ..run.configuration }, ..run }
-    }
 
     #[test]
     fn work_is_a_fraction_of_the_machine() {
