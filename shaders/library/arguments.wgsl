@@ -18,6 +18,16 @@ fn write_arguments(going: bool) {
     fields::set_instances(fields::control.count);
 }
 
+#ifdef INCOMPRESSIBLE
+// Which passes of the solves are dispatched next: the first of the divergence solve, iterations, the first of the density solve.
+fn write_solve_arguments(first: bool, iterations: bool, density: bool) {
+    let live = fields::control.live;
+    fields::set_arguments(#{ARGUMENTS_FIRST}u, threads::groups_for(select(0u, live, first)));
+    fields::set_arguments(#{ARGUMENTS_ITERATIONS}u, threads::groups_for(select(0u, live, iterations)));
+    fields::set_arguments(#{ARGUMENTS_DENSITY}u, threads::groups_for(select(0u, live, density)));
+}
+#endif
+
 fn write_motion_arguments(moving: bool) {
     fields::set_arguments(#{ARGUMENTS_MOTION}u, threads::groups_for(select(0u, fields::control.live, moving)));
 #ifdef BODIES

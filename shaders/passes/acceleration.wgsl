@@ -1,5 +1,6 @@
 // a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k (P_a + Pi_ak) F x_ak ] + Morris' viscosity
 // and, where the plan has a near pressure, -(m/G) sum_b (2 k/rho0) F_near x_ab (freshet_core::near_pressure).
+// P_a of an incompressible fluid is that of the last substep.
 // Pressure form: Monaghan 1992, eq. 3.3. Pi_ab: Monaghan 1992, eq. 4.1, with beta = 0, for all pairs (Monaghan 2005).
 // Pi_ak is that of a particle at rest with the density of a, for samples of viscous faces only; Morris' viscosity acts there in
 // its stead. The b come from the bits that the density pass left, see library/hits.wgsl.
@@ -11,7 +12,12 @@
 #import freshet::kernels
 #import freshet::threads
 
+#ifdef INCOMPRESSIBLE
+var<workgroup> group_speed: atomic<u32>;
+var<workgroup> group_pressure: atomic<u32>;
+#else
 var<workgroup> group_acceleration: atomic<u32>;
+#endif
 
 // What every pair of a particle needs: of the particle itself, and of the uniforms, see grid::Shape.
 struct Own {
@@ -34,18 +40,35 @@ struct Own {
 #endif
 }
 
+#ifdef INCOMPRESSIBLE
+fn pressure_term(i: u32, density: f32) -> f32 {
+    return fields::sorted_pressure(i);
+}
+#else
+#ifdef PAIR_VELOCITIES
+// Follows from the density, which comes with the velocity.
+fn pressure_term(i: u32, density: f32) -> f32 {
+    return equation_of_state::pressure_term(density);
+}
+#else
+fn pressure_term(i: u32, density: f32) -> f32 {
+    return fields::pressure_term(i);
+}
+#endif
+#endif
+
 fn own_of(a: u32) -> Own {
     var own: Own;
     own.position = fields::sorted_position(a);
     own.inverse_radius = fields::parameters.inverse_support_radius;
 #ifdef PAIR_VELOCITIES
     let motion = fields::velocity_and_density(a);
-    own.pressure_term = equation_of_state::pressure_term(motion.w);
+    own.pressure_term = pressure_term(a, motion.w);
     own.velocity = motion.xyz;
     own.density = motion.w;
     own.softening = fields::parameters.viscosity_softening;
 #else
-    own.pressure_term = fields::pressure_term(a);
+    own.pressure_term = pressure_term(a, 0.0);
 #endif
 #ifdef ARTIFICIAL_VISCOSITY
     own.artificial_scale = fields::parameters.viscosity_scale;
@@ -81,7 +104,7 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
 #ifdef PAIR_VELOCITIES
     let motion = fields::velocity_and_density(b);
     let velocity = own.velocity - motion.xyz;
-    var factor = own.pressure_term + equation_of_state::pressure_term(motion.w);
+    var factor = own.pressure_term + pressure_term(b, motion.w);
 #ifdef ARTIFICIAL_VISCOSITY
     factor -= own.artificial_scale * dot(velocity, x) / ((r_squared + own.softening) * (own.density + motion.w));
 #endif
@@ -92,7 +115,7 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
     return (factor * slope + near) * x;
 #endif
 #else
-    return ((own.pressure_term + fields::pressure_term(b)) * slope + near) * x;
+    return ((own.pressure_term + pressure_term(b, 0.0)) * slope + near) * x;
 #endif
 }
 
@@ -231,10 +254,26 @@ fn acceleration(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
     if (a < fields::control.live) {
         let result = acceleration_of(a);
         fields::set_acceleration(a, result);
+#ifdef INCOMPRESSIBLE
+        // The speed it is expected to leave the substep with: pressures that hold it are in the acceleration already.
+        let ahead = fields::velocity_and_density(a).xyz + fields::control.last_substep * result;
+        let pressure = fields::sorted_pressure(a);
+        fields::set_solved_pressure(a, pressure);
+        fields::set_own_row(a, fields::hits_of_own_row(a));
+        atomicMax(&group_speed, threads::ordered_bits(length(ahead)));
+        atomicMax(&group_pressure, threads::ordered_bits(pressure));
+    }
+    workgroupBarrier();
+    if (local == 0u) {
+        atomicMax(&fields::control.max_speed, atomicLoad(&group_speed));
+        atomicMax(&fields::control.max_pressure, atomicLoad(&group_pressure));
+    }
+#else
         atomicMax(&group_acceleration, threads::ordered_bits(length(result)));
     }
     workgroupBarrier();
     if (local == 0u) {
         atomicMax(&fields::control.max_acceleration, atomicLoad(&group_acceleration));
     }
+#endif
 }

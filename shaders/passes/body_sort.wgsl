@@ -48,7 +48,7 @@ fn body_sort_scan_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_
     let counts = fields::parameters.body_counts;
     let cells = fields::parameters.cells + 1u;
     // The samples of walls come first in the buffer of samples.
-    let before = fields::parameters.wall_samples + scan::sum_before(block, local, counts, cells);
+    let before = fields::parameters.first_body_sample + scan::sum_before(block, local, counts, cells);
     scan::write_starts(block, local, counts, fields::parameters.body_starts, cells, before);
 }
 #endif
@@ -60,7 +60,7 @@ fn body_sort_scatter(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_inv
     if (k < fields::parameters.body_samples) {
         let cell = sample_cell(k);
         let remaining = fields::take_from_cell_count(fields::parameters.body_counts + cell);
-        fields::set_body_slot(fields::cell_start(fields::parameters.body_starts + cell) - fields::parameters.wall_samples + remaining, k);
+        fields::set_body_slot(fields::cell_start(fields::parameters.body_starts + cell) - fields::parameters.first_body_sample + remaining, k);
     }
 }
 #endif
@@ -81,7 +81,7 @@ fn body_sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_inv
     let end = fields::cell_start(fields::parameters.body_starts + cell + 1u);
     var rank = 0u;
     for (var other = first; other < end; other++) {
-        rank += select(0u, 1u, fields::body_slot(other - fields::parameters.wall_samples) < k);
+        rank += select(0u, 1u, fields::body_slot(other - fields::parameters.first_body_sample) < k);
     }
     fields::set_sample(first + rank, vec4<f32>(place(k), fields::sample_volume(k)));
 }

@@ -28,6 +28,9 @@ fn spawn(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     );
     fields::set_density(target_index, 0.0, 0.0);
     fields::set_acceleration(target_index, vec3<f32>(0.0));
+#ifdef INCOMPRESSIBLE
+    fields::set_solved_pressure(target_index, 0.0);
+#endif
 }
 #endif
 

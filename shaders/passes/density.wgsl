@@ -1,5 +1,5 @@
 // Density sum and pressure: rho_a = (1/S) (m sum_b W_ab + rho0 sum_k V_k W_ak), a itself among the b.
-// Keeps P_a = p_a / rho_a^2 beside rho_a, which is what the pressure force needs.
+// Keeps P_a = p_a / rho_a^2 beside rho_a, which is what the pressure force needs; of an incompressible fluid the solves find it.
 
 #import freshet::bindings as fields
 #import freshet::equation_of_state
@@ -85,7 +85,9 @@ fn density(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
     let a = threads::thread_index(group, local);
     if (a < fields::control.live) {
         let density = density_of(a);
+#ifndef INCOMPRESSIBLE
         fields::set_density(a, density, equation_of_state::pressure_term(density));
+#endif
         fields::set_velocity_and_density(a, fields::velocity_before(a), density);
         let ratio = density * fields::parameters.inverse_rest_density;
         atomicMax(&group_ratio, threads::ordered_bits(ratio));

@@ -25,6 +25,12 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     let dt = fields::control.substep;
     let velocity = fields::velocity_and_density(a).xyz + fields::acceleration(a) * dt;
     var position = fields::sorted_position(a) + velocity * dt;
+#ifdef INCOMPRESSIBLE
+    // What the density solve found changes positions only.
+    if (fields::control.correction > 0.0) {
+        position += fields::motion(a) * fields::control.correction;
+    }
+#endif
 #ifdef PERIODIC
     position = wrapped(position);
 #endif

@@ -79,7 +79,9 @@ fn sort_scatter(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
 #endif
 
 #ifdef SORT_REORDER
+#ifndef INCOMPRESSIBLE
 var<workgroup> group_speed: atomic<u32>;
+#endif
 
 @compute @workgroup_size(#{WORKGROUP_SIZE})
 fn sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
@@ -104,11 +106,16 @@ fn sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
         fields::set_sorted_position(first + rank, position, id);
         fields::set_velocity_before(first + rank, velocity);
         fields::set_sorted_remaining_life(first + rank, fields::remaining_life(i));
+#ifdef INCOMPRESSIBLE
+        fields::set_sorted_pressure(first + rank, fields::solved_pressure(i));
+    }
+#else
         atomicMax(&group_speed, threads::ordered_bits(length(velocity)));
     }
     workgroupBarrier();
     if (local == 0u) {
         atomicMax(&fields::control.max_speed, atomicLoad(&group_speed));
     }
+#endif
 }
 #endif

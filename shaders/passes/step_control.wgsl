@@ -2,6 +2,9 @@
 
 #import freshet::bindings as fields
 #import freshet::arguments
+#ifdef INCOMPRESSIBLE
+#import freshet::solve
+#endif
 
 #ifdef BEGIN_TICK
 // What the last tick left over is added to what this one asks for. The tick's commands come after this.
@@ -24,6 +27,15 @@ fn begin_tick() {
     atomicStore(&fields::control.max_ratio, 0u);
     atomicStore(&fields::control.max_speed, 0u);
     atomicStore(&fields::control.max_acceleration, 0u);
+#ifdef INCOMPRESSIBLE
+    atomicStore(&fields::control.max_pressure, 0u);
+    fields::control.divergence_iterations = 0u;
+    fields::control.density_iterations = 0u;
+    fields::control.most_divergence = 0u;
+    fields::control.most_density = 0u;
+    fields::control.unsolved = 0u;
+    arguments::write_solve_arguments(false, false, false);
+#endif
     // Even a tick of no length evaluates the stages once, so that fields can be read.
     fields::control.going = 1u;
     arguments::write_arguments(true);
@@ -34,15 +46,49 @@ fn begin_tick() {
 #ifdef STEP_CONTROL
 // The substep that covers what remains in equal parts no longer than the limit: freshet_core::plan::Parameters.
 fn choose_substep(remaining: f32, max_speed: f32, max_acceleration: f32) -> f32 {
+#ifdef INCOMPRESSIBLE
+    let way = fields::parameters.longest_way;
+    let courant = way / max(max_speed, 1e-12);
+    let fall = sqrt(way / max(length(fields::control.gravity), 1e-12));
+    let pressure = bitcast<f32>(atomicExchange(&fields::control.max_pressure, 0u)) * fields::parameters.rest_density;
+    let stiff = fields::parameters.pressure_limit / sqrt(max(pressure, 1e-12));
+    let limit = min(min(courant, fall), min(stiff, fields::parameters.viscous_limit));
+#else
     let h = fields::parameters.smoothing_length;
     let courant = fields::parameters.courant_factor * h / (fields::parameters.sound_speed + max_speed);
     let force = fields::parameters.force_factor * sqrt(h / max(max_acceleration, 1e-12));
     let limit = min(min(courant, force), fields::parameters.viscous_limit);
+#endif
     return remaining / max(ceil(remaining / limit - 1e-3), 1.0);
 }
 
+#ifdef INCOMPRESSIBLE
+// Begins the solves of a substep, if it is long enough for anything to move. The next substep waits for their end.
+fn begin_solves(substep: f32, max_speed: f32, going: bool) {
+    fields::control.correction = 0.0;
+    let solving = substep >= fields::parameters.shortest_substep;
+    if (solving) {
+        let way = min(max_speed * substep / fields::parameters.longest_way, 1.0);
+        fields::control.share = way * way;
+        fields::control.divergence = max(fields::parameters.divergence * way, fields::parameters.least_divergence);
+        fields::control.solve_phase = solve::DIVERGENCE;
+        solve::start_pace();
+        solve::set_momentum();
+    }
+    arguments::write_solve_arguments(solving, false, !solving);
+    arguments::write_arguments(going && !solving);
+    arguments::write_motion_arguments(!solving);
+}
+#endif
+
 @compute @workgroup_size(1)
 fn step_control() {
+#ifdef INCOMPRESSIBLE
+    // What was encoded for this substep continues the one before.
+    if (fields::control.solve_phase != solve::NONE) {
+        return;
+    }
+#endif
     // Dispatched in every substep that was encoded: those beyond the tick's end switch the motion off.
     if (fields::control.going == 0u) {
         arguments::write_motion_arguments(false);
@@ -74,7 +120,11 @@ fn step_control() {
 
     let going = fields::control.remaining > 0.0 && fields::control.substeps < fields::parameters.max_substeps;
     fields::control.going = select(0u, 1u, going);
+#ifdef INCOMPRESSIBLE
+    begin_solves(substep, max_speed, going);
+#else
     arguments::write_arguments(going);
     arguments::write_motion_arguments(true);
+#endif
 }
 #endif

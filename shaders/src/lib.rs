@@ -44,6 +44,8 @@ pub mod library {
         EQUATION_OF_STATE = "equation_of_state.wgsl",
         /// Prefix sum over cells.
         SCAN = "scan.wgsl",
+        /// What the solves of an incompressible fluid share.
+        SOLVE = "solve.wgsl",
         /// Quaternions.
         ROTATION = "rotation.wgsl",
     }
@@ -66,6 +68,10 @@ pub mod passes {
         BODY_LOAD = "body_load.wgsl",
         /// Length and number of substeps.
         STEP_CONTROL = "step_control.wgsl",
+        /// Sums and steps of the solves of an incompressible fluid.
+        PROJECTION = "projection.wgsl",
+        /// Number of their iterations.
+        SOLVE_CONTROL = "solve_control.wgsl",
         /// Motion of bodies.
         BODY_MOTION = "body_motion.wgsl",
         /// Motion of particles.

@@ -4,7 +4,7 @@ use freshet_core::plan::Plan;
 use freshet_core::solver::{ScheduledBuffer, SolverError};
 use wgpu::BufferUsages as Usage;
 
-use crate::cells::{CellTables, sort_walls};
+use crate::cells::{CellTables, first_body_sample, sort_walls};
 use crate::device::{check_device, check_textures};
 use crate::errors::guarded;
 use crate::layout::{
@@ -13,7 +13,7 @@ use crate::layout::{
 use crate::memory::{Held, Memory, TEXEL_BYTES, write_texels};
 use crate::options::GpuOptions;
 use crate::parameters::parameters;
-use crate::passes::{Arguments, moving_walls};
+use crate::passes::{Arguments, incompressible};
 
 /// Ticks that can be prepared without their report being collected.
 pub(crate) const TICK_SLOTS: usize = 8;
@@ -67,19 +67,21 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     need(Binding::Control, size_of::<StepControl>() as u64, state);
     let arguments = 4 * (3 * Arguments::COUNT as u64 + 4);
     need(Binding::Arguments, arguments, Usage::STORAGE | Usage::INDIRECT | Usage::COPY_DST | Usage::COPY_SRC);
-    for binding in Binding::ALL.into_iter().filter(|binding| binding.memory() == *binding) {
+    let solves = incompressible(plan);
+    let needed = |binding: &Binding| {
+        binding.memory() == *binding && (solves || !matches!(binding, Binding::Motions | Binding::Solves))
+    };
+    for binding in Binding::ALL.into_iter().filter(needed) {
         if let Some(each) = binding.particle_bytes() {
             need(binding, each * u64::from(capacity), state);
         }
     }
     need(Binding::CellCounts, 4 * u64::from(tables.counts), state);
     need(Binding::CellStarts, 4 * u64::from(tables.starts), state);
-    let (walls, moving) = (plan.boundary.positions.len(), plan.body_samples());
-    if walls + moving > 0 {
-        need(Binding::Samples, bytes(16, walls + moving), state);
-    }
-    if moving_walls(plan) {
-        need(Binding::WallVelocities, bytes(16, walls), state);
+    let moving = plan.body_samples();
+    let samples = first_body_sample(plan) + moving;
+    if samples > 0 {
+        need(Binding::Samples, bytes(16, samples), state);
     }
     if !plan.bodies.is_empty() {
         let bodies = plan.bodies.len();
@@ -119,8 +121,7 @@ impl Buffers {
         let tables = CellTables::of(plan);
         if !plan.boundary.positions.is_empty() {
             let walls = sort_walls(plan);
-            buffers.write_samples(queue, &walls.samples);
-            buffers.write(queue, Binding::WallVelocities, &walls.velocities);
+            buffers.write_samples(queue, &[walls.samples, walls.velocities].concat());
             buffers.write_at(queue, Binding::CellStarts, 4 * u64::from(tables.wall_starts), &walls.starts);
         }
         if !plan.bodies.is_empty() {
@@ -143,8 +144,11 @@ impl Buffers {
         needs.retain(|need| need.binding.particle_bytes().is_some());
         for fresh in self.allocate(device, needs)? {
             let Some(old) = self.allocated.iter_mut().find(|old| old.binding == fresh.binding) else { continue };
-            if matches!(fresh.binding, Binding::Particles | Binding::Densities | Binding::Accelerations)
-                && let (Some(from), Some(to)) = (old.store.buffer(), fresh.store.buffer())
+            // Of the solves the first section is state.
+            if matches!(
+                fresh.binding,
+                Binding::Particles | Binding::Densities | Binding::Accelerations | Binding::Solves
+            ) && let (Some(from), Some(to)) = (old.store.buffer(), fresh.store.buffer())
             {
                 encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
             }

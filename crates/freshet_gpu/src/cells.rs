@@ -70,6 +70,11 @@ impl WallDrag {
 /// Set in a cell's start where the rows around it hold samples, as in `freshet::grid`.
 const NEAR_WALLS: u32 = 1 << 31;
 
+/// Where the samples of bodies begin: behind those of walls and, if some move, their velocities.
+pub(crate) fn first_body_sample(plan: &Plan) -> usize {
+    plan.boundary.positions.len() * if moving_walls(plan) { 2 } else { 1 }
+}
+
 /// The samples of walls.
 pub(crate) struct SortedWalls {
     /// Position, m, and volume, m3.

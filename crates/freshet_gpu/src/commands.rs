@@ -1,5 +1,6 @@
 //! A tick's commands as uploads and dispatches.
 
+use freshet_core::plan::Plan;
 use freshet_core::solid::Misplaced;
 use freshet_core::solver::SolverError;
 use freshet_core::step::Command;
@@ -148,10 +149,11 @@ pub(crate) struct CommandPipelines {
 impl CommandPipelines {
     /// Compiles them.
     pub fn new(
+        plan: &Plan,
         workgroup_size: u32,
         mut compile: impl FnMut(crate::passes::Pass) -> Result<Pipeline, SolverError>,
     ) -> Result<Self, SolverError> {
-        let [spawn, finish, ids, volume] = command_passes();
+        let [spawn, finish, ids, volume] = command_passes(plan);
         Ok(Self { pipelines: [compile(spawn)?, compile(finish)?, compile(ids)?, compile(volume)?], workgroup_size })
     }
 

@@ -1,11 +1,11 @@
 //! The compiled passes of a plan, which outlive it where another plan needs the same.
 
 use freshet_core::plan::Plan;
-use freshet_core::solver::SolverError;
+use freshet_core::solver::{ScheduledPass, SolverError};
 
 use crate::commands::CommandPipelines;
 use crate::options::GpuOptions;
-use crate::passes::{Pass, begin_bodies, begin_tick, substep_passes};
+use crate::passes::{Pass, begin_bodies, begin_tick, closing_passes, scheduled, substep_passes};
 use crate::pipelines::Pipeline;
 use crate::shader::{Definitions, compose, definitions, sources};
 
@@ -18,6 +18,8 @@ pub(crate) struct Compiled {
     pub begin: Vec<Pipeline>,
     /// Run in a substep, in order.
     pub substep: Vec<Pipeline>,
+    /// Run at the end of a tick that nobody waits for: they end the solves that are still open. None where nothing is solved for.
+    pub close: Vec<Pipeline>,
     /// Carry out a tick's commands.
     pub commands: CommandPipelines,
 }
@@ -52,10 +54,34 @@ impl Compiled {
             return Err(SolverError::Device(format!("the patched WGSL is in no pass: {from}")));
         }
         let compile = |pass| Pipeline::new(device, compose(&pass, &definitions, &options)?, pass, &options);
-        let substep = substep.into_iter().map(compile).collect::<Result<Vec<_>, _>>()?;
+        let mut compiled: Vec<Pipeline> = Vec::new();
+        for pass in substep {
+            // Both solves have the same iterations.
+            let pipeline = match compiled.iter().find(|earlier| earlier.pass.name == pass.name) {
+                Some(earlier) => earlier.clone().with_pass(pass),
+                None => compile(pass)?,
+            };
+            compiled.push(pipeline);
+        }
         let begin = begin.into_iter().map(compile).collect::<Result<Vec<_>, _>>()?;
-        let commands = CommandPipelines::new(options.workgroup_size, compile)?;
-        Ok(Self { definitions, options, begin, substep, commands })
+        let close = |pass: Pass| match compiled.iter().find(|earlier| earlier.pass.name == pass.name) {
+            Some(earlier) => Ok(earlier.clone()),
+            None => compile(pass),
+        };
+        let close = closing_passes(plan).into_iter().map(close).collect::<Result<Vec<_>, _>>()?;
+        let commands = CommandPipelines::new(plan, options.workgroup_size, compile)?;
+        Ok(Self { definitions, options, begin, substep: compiled, close, commands })
+    }
+
+    /// All that have bind groups of their own: of the beginning, of a substep, of the end.
+    pub fn in_order(&self) -> impl Iterator<Item = &Pipeline> {
+        self.begin.iter().chain(&self.substep).chain(&self.close)
+    }
+
+    /// The entries of the schedule, in order: passes of a substep, those of an iteration as one.
+    pub fn entries(&self) -> impl Iterator<Item = ScheduledPass> {
+        let chunks = self.substep.chunk_by(|one, next| one.pass.iterates_with(&next.pass));
+        chunks.filter_map(|entry| scheduled(&entry.iter().map(|pipeline| &pipeline.pass).collect::<Vec<_>>()))
     }
 
     /// What was selected in the shaders.

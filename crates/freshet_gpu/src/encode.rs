@@ -1,5 +1,6 @@
 //! Encoding ticks: beginning, commands, substeps, the report's way back.
 
+use freshet_core::plan::StageKind;
 use freshet_core::solver::SolverError;
 
 use crate::buffers::INPUT_STRIDE;
@@ -19,18 +20,40 @@ impl GpuSolver {
     pub fn encode(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<(), SolverError> {
         while let Some(tick) = self.prepared.pop_front() {
             self.encode_tick(encoder, &tick)?;
+            self.encode_close(encoder);
+            self.encode_report(encoder, tick.about)?;
         }
         Ok(())
     }
 
-    fn encode_tick(&mut self, encoder: &mut wgpu::CommandEncoder, tick: &PreparedTick) -> Result<(), SolverError> {
+    /// Encodes a tick but for its report, and for the end of solves that it leaves open.
+    pub(crate) fn encode_tick(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        tick: &PreparedTick,
+    ) -> Result<(), SolverError> {
         let bound = self.most_particles();
         self.spawning.push_back(Spawning { count: tick.about.spawned, left_out: tick.edits.left_out.clone() });
         self.emitted = self.emitted.into_iter().chain(tick.edits.emitted).reduce(f64::max);
         self.fit(encoder, bound.saturating_add(tick.about.spawned))?;
         self.encode_beginning(encoder, tick, bound)?;
-        self.encode_substeps(encoder, tick.about.encoded);
-        self.encode_report(encoder, tick.about)
+        self.encode_substeps(encoder, tick.about.encoded, self.iterations_to_encode());
+        Ok(())
+    }
+
+    /// Ends what solves are still open, so that the tick ends with a whole substep.
+    pub(crate) fn encode_close(&self, encoder: &mut wgpu::CommandEncoder) {
+        if self.compiled.close.is_empty() {
+            return;
+        }
+        let groups = &self.groups[self.compiled.begin.len() + self.compiled.substep.len()..];
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("freshet:pass:close"),
+            timestamp_writes: None,
+        });
+        for (pipeline, group) in self.compiled.close.iter().zip(groups) {
+            self.dispatch_stage(&mut pass, pipeline, group);
+        }
     }
 
     /// No fewer particles than there can be, from the last report and what was spawned since.
@@ -73,13 +96,16 @@ impl GpuSolver {
         Ok(())
     }
 
-    /// Encodes `count` substeps; those that the tick does not need dispatch nothing.
-    pub(crate) fn encode_substeps(&self, encoder: &mut wgpu::CommandEncoder, count: u32) {
-        let Some(arguments) = self.buffers.get(Binding::Arguments) else { return };
+    /// Encodes `count` substeps, each with so many iterations of its two solves; those that the tick does not need dispatch nothing.
+    pub(crate) fn encode_substeps(&self, encoder: &mut wgpu::CommandEncoder, count: u32, iterations: [u32; 2]) {
         let groups = &self.groups[self.compiled.begin.len()..];
-        let groups_of = |pipeline: &Pipeline| match pipeline.pass.dispatch {
-            Dispatch::Indirect(which) => Groups::Indirect(arguments, which.offset()),
-            Dispatch::Single | Dispatch::Direct => Groups::Direct(1, 1),
+        let pipelines: Vec<_> = self.compiled.substep.iter().zip(groups).collect();
+        let entries = || pipelines.chunk_by(|(one, _), (next, _)| one.pass.iterates_with(&next.pass));
+        let times = |entry: &[(&Pipeline, &wgpu::BindGroup)]| match entry {
+            [(first, _), ..] if first.pass.iterates => {
+                iterations[usize::from(first.pass.stage == Some(StageKind::DensitySolve))]
+            }
+            _ => 1,
         };
         let Some(timer) = &self.timer else {
             if count > 0 {
@@ -87,23 +113,35 @@ impl GpuSolver {
                     label: Some("freshet:pass:substeps"),
                     timestamp_writes: None,
                 });
-                for _ in 0..count {
-                    for (pipeline, group) in self.compiled.substep.iter().zip(groups) {
-                        dispatch(&mut pass, pipeline, group, &[], groups_of(pipeline));
+                for entry in (0..count).flat_map(|_| entries()) {
+                    for (pipeline, group) in (0..times(entry)).flat_map(|_| entry) {
+                        self.dispatch_stage(&mut pass, pipeline, group);
                     }
                 }
             }
             return;
         };
         for substep in 0..count {
-            for (index, (pipeline, group)) in self.compiled.substep.iter().zip(groups).enumerate() {
+            for (index, entry) in entries().enumerate() {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                    label: Some(&pipeline.label),
+                    label: entry.first().map(|(pipeline, _)| pipeline.label.as_str()),
                     timestamp_writes: timer.writes(substep, index),
                 });
-                dispatch(&mut pass, pipeline, group, &[], groups_of(pipeline));
+                for (pipeline, group) in (0..times(entry)).flat_map(|_| entry) {
+                    self.dispatch_stage(&mut pass, pipeline, group);
+                }
             }
         }
+    }
+
+    /// Dispatches a pass of a substep with as many groups as it has by now.
+    fn dispatch_stage(&self, pass: &mut wgpu::ComputePass<'_>, pipeline: &Pipeline, group: &wgpu::BindGroup) {
+        let Some(arguments) = self.buffers.get(Binding::Arguments) else { return };
+        let groups = match pipeline.pass.dispatch {
+            Dispatch::Indirect(which) => Groups::Indirect(arguments, which.offset()),
+            Dispatch::Single | Dispatch::Direct => Groups::Direct(1, 1),
+        };
+        dispatch(pass, pipeline, group, &[], groups);
     }
 
     /// Encodes the way back of what the GPU has to say.

@@ -12,6 +12,9 @@ use crate::prediction::substeps_to_encode;
 use crate::report::Arrival;
 use crate::solver::{GpuSolver, TickMemo};
 
+/// Most iterations that are encoded in one go.
+const MOST_ITERATIONS: u32 = 256;
+
 impl FluidSolver for GpuSolver {
     fn plan(&self) -> &Plan {
         &self.plan
@@ -28,9 +31,16 @@ impl FluidSolver for GpuSolver {
         let started = Instant::now();
         let queue = self.queue.clone();
         self.prepare(&queue, input)?;
-        self.submit(|solver, encoder| solver.encode(encoder))?;
+        let Some(tick) = self.prepared.pop_front() else {
+            return Err(SolverError::Device("the tick was not prepared".to_owned()));
+        };
+        self.submit(|solver, encoder| {
+            solver.encode_tick(encoder, &tick)?;
+            solver.encode_report(encoder, tick.about)
+        })?;
         // Stamps of the first chunk and the substeps encoded in it: they stand for the whole tick.
         let mut first = None;
+        let mut iterations = self.iterations_to_encode();
         loop {
             let Some((about, bytes)) = self.readback.finish(&self.device)?.pop() else {
                 return Err(SolverError::Device("the tick's report did not arrive".to_owned()));
@@ -40,10 +50,12 @@ impl FluidSolver for GpuSolver {
             let (stamps, encoded) = first.get_or_insert((arrival.stamps, about.encoded));
             let elapsed = started.elapsed().as_secs_f32() * 1e3;
             let in_time = self.plan.budget_milliseconds.is_none_or(|budget| elapsed < budget);
+            // A substep whose solves are still open is ended in any case.
+            let open = control.solve_phase != 0;
             let more = if control.going != 0 && in_time {
                 substeps_to_encode(&self.plan.parameters, control.remaining, control.smallest_substep)
             } else {
-                0
+                u32::from(open)
             };
             if more == 0 {
                 let mut report = self.account(&about, &bytes)?;
@@ -53,8 +65,10 @@ impl FluidSolver for GpuSolver {
                 }
                 return Ok(report);
             }
+            // They took all that were encoded: twice as many, until it is enough.
+            iterations = if open { iterations.map(|count| (2 * count).min(MOST_ITERATIONS)) } else { iterations };
             self.submit(|solver, encoder| {
-                solver.encode_substeps(encoder, more);
+                solver.encode_substeps(encoder, more, iterations);
                 solver.encode_report(encoder, TickMemo { encoded: more, ..about })
             })?;
         }

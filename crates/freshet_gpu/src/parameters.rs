@@ -3,10 +3,11 @@
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::near_pressure;
 use freshet_core::plan::Plan;
+use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::step::StepInput;
 use glam::{UVec3, Vec3};
 
-use crate::cells::CellTables;
+use crate::cells::{CellTables, first_body_sample};
 use crate::fine_grid::FineGrid;
 use crate::layout::Parameters;
 
@@ -37,6 +38,11 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         Vec3::from([0, 1, 2].map(|axis| plan.grid.periodic.along(axis).map_or(none, |(low, high)| [low, high][end])))
     };
     let viscosity = f64::from(p.dynamic_viscosity);
+    // Of other plans nobody reads it.
+    let solver = match p.pressure_solver {
+        PressureSolver::DivergenceFree(solver) => solver,
+        PressureSolver::WeaklyCompressible => DivergenceFree::default(),
+    };
     Parameters {
         cell_mask: grid.dimensions() - UVec3::ONE,
         cells: grid.cells(),
@@ -79,6 +85,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         longest_tick: StepInput::MAX_DURATION,
         max_substeps: p.max_substeps,
         wall_samples: plan.boundary.positions.len() as u32,
+        first_body_sample: first_body_sample(plan) as u32,
         body_samples: plan.body_samples() as u32,
         bodies: plan.bodies.len() as u32,
         body_counts: tables.body_counts,
@@ -86,6 +93,23 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         body_starts: tables.body_starts,
         block_sums: tables.block_sums,
         expected_speed: p.expected_speed,
+        rate_scale: (mass * slope_scale / (f64::from(p.density_calibration) * rest)) as f32,
+        number_density: (rest / mass) as f32,
+        diagonal_scale: ((mass * slope_scale).powi(2)
+            / (f64::from(p.density_calibration) * f64::from(p.gradient_calibration) * rest))
+            as f32,
+        least_diagonal: p.least_diagonal,
+        relaxation: p.relaxation,
+        longest_way: p.longest_way(),
+        pressure_limit: 2.0 * DivergenceFree::PRESSURE_FACTOR * p.spacing / p.pressure_frequency.max(1e-12),
+        shortest_substep: DivergenceFree::SHORTEST,
+        compression: solver.compression,
+        divergence: solver.divergence,
+        least_divergence: DivergenceFree::LEAST_DIVERGENCE,
+        least_momentum: DivergenceFree::MOMENTUM,
+        lack: DivergenceFree::LACK,
+        filling: DivergenceFree::FILLING,
+        max_iterations: solver.max_iterations,
         body_reach: p.body_reach(),
         ..Default::default()
     }

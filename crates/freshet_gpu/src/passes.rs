@@ -1,6 +1,7 @@
 //! From the plan's stages to the dispatches of a substep: which entry point, which buffers, how many groups.
 
 use freshet_core::plan::{Plan, StageKind};
+use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::ScheduledPass;
 use freshet_shaders::{ShaderFile, passes};
 
@@ -23,11 +24,17 @@ pub(crate) enum Arguments {
     Motion,
     /// A thread for each body that is moved.
     BodyMotion,
+    /// A thread for each particle in the first pass of a divergence solve.
+    First,
+    /// A thread for each particle in an iteration of a solve.
+    Iterations,
+    /// A thread for each particle in the first pass of a density solve.
+    Density,
 }
 
 impl Arguments {
     /// Number of indirect dispatches; the arguments of drawing come after them.
-    pub const COUNT: u32 = 6;
+    pub const COUNT: u32 = 9;
 
     /// Offset in bytes.
     pub fn offset(self) -> u64 {
@@ -59,15 +66,46 @@ pub(crate) struct Pass {
     pub uses: Vec<(Binding, Access)>,
     /// Its groups.
     pub dispatch: Dispatch,
+    /// Whether it is a part of an iteration, which is encoded several times.
+    pub iterates: bool,
+    /// Words of each particle it reads or writes in [`Binding::Solves`].
+    pub solve_words: u64,
 }
 
 impl Pass {
-    /// As it stands in the schedule; none for passes between ticks.
-    pub fn scheduled(&self) -> Option<ScheduledPass> {
-        let bytes = |&(binding, _): &(Binding, Access)| binding.particle_bytes().unwrap_or(0);
-        let bytes_per_particle = self.uses.iter().map(bytes).sum::<u64>() as u32;
-        Some(ScheduledPass { stage: self.stage?, name: self.name, bytes_per_particle })
+    fn bytes_per_particle(&self) -> u64 {
+        let bytes = |&(binding, _): &(Binding, Access)| match binding {
+            Binding::Solves => 4 * self.solve_words,
+            _ => binding.particle_bytes().unwrap_or(0),
+        };
+        self.uses.iter().map(bytes).sum()
     }
+
+    /// Whether this one and the next are parts of the same iteration.
+    pub fn iterates_with(&self, next: &Self) -> bool {
+        self.iterates && next.iterates && self.stage == next.stage
+    }
+
+    /// The entry of the schedule and of time stamps that it is a part of: passes that iterate share one.
+    pub fn entry(&self) -> &'static str {
+        match (self.iterates, self.stage) {
+            (true, Some(StageKind::DivergenceSolve)) => "divergence_iterations",
+            (true, _) => "density_iterations",
+            (false, _) => self.name,
+        }
+    }
+}
+
+/// Passes as they stand in the schedule: those of an iteration are one. None for passes between ticks.
+pub(crate) fn scheduled(passes: &[&Pass]) -> Option<ScheduledPass> {
+    let first = passes.first()?;
+    let bytes_per_particle = passes.iter().map(|pass| pass.bytes_per_particle()).sum::<u64>() as u32;
+    Some(ScheduledPass { stage: first.stage?, name: first.entry(), bytes_per_particle })
+}
+
+/// Whether pressures are solved for.
+pub(crate) fn incompressible(plan: &Plan) -> bool {
+    matches!(plan.parameters.pressure_solver, PressureSolver::DivergenceFree(_))
 }
 
 /// Whether pairs need each other's velocities.
@@ -75,9 +113,9 @@ pub(crate) fn needs_velocities(plan: &Plan) -> bool {
     plan.parameters.artificial_viscosity > 0.0 || plan.parameters.dynamic_viscosity > 0.0
 }
 
-/// Whether fluid sticks to walls some of which move.
+/// Whether it matters to the fluid that walls move: where it sticks to them, and where it must not be compressed by them.
 pub(crate) fn moving_walls(plan: &Plan) -> bool {
-    !plan.boundary.velocities.is_empty() && WallDrag::of(plan) == WallDrag::Morris
+    !plan.boundary.velocities.is_empty() && (incompressible(plan) || WallDrag::of(plan) == WallDrag::Morris)
 }
 
 /// The passes of one substep, in order.
@@ -95,8 +133,10 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
     let pass = |name, file, dispatch, uses: &[(Binding, Access)]| {
         let mut uses = uses.to_vec();
         uses.push((B::Parameters, Read));
-        Pass { name, stage: Some(stage), file, uses, dispatch: Dispatch::Indirect(dispatch) }
+        let dispatch = Dispatch::Indirect(dispatch);
+        Pass { name, stage: Some(stage), file, uses, dispatch, iterates: false, solve_words: 0 }
     };
+    let solves = incompressible(plan);
     let with = |condition: bool, mut uses: Vec<(Binding, Access)>, more: &[(Binding, Access)]| {
         if condition {
             uses.extend_from_slice(more);
@@ -105,6 +145,21 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
     };
     let state = (B::Particles, Read);
     let neighbours = [(B::SortedPositions, Read), (B::CellStarts, Read), (B::Control, Write)];
+    let with_words = |solve_words, pass| Pass { solve_words, ..pass };
+    let control = |name| {
+        let pass =
+            pass(name, passes::SOLVE_CONTROL, Arguments::Particles, &[(B::Control, Write), (B::Arguments, Write)]);
+        Pass { dispatch: Dispatch::Single, ..pass }
+    };
+    let iteration = || {
+        let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
+        let change = with(true, uses.clone(), &[(B::Hits, Read), (B::Solves, Read), (B::Motions, Write)]);
+        let project = with(true, uses, &[(B::Hits, Read), (B::Solves, Write), (B::Motions, Read)]);
+        let change = pass("pressure_change", passes::PROJECTION, Arguments::Iterations, &change);
+        let project = pass("project", passes::PROJECTION, Arguments::Iterations, &project);
+        let passes = [with_words(2, change), with_words(8, project), control("solve_control")];
+        passes.map(|pass| Pass { iterates: true, ..pass })
+    };
     match stage {
         StageKind::Sort => vec![
             pass(
@@ -121,19 +176,26 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 Arguments::Particles,
                 &[state, (B::CellCounts, Write), (B::CellStarts, Read), (B::Slots, Write), (B::Control, Read)],
             ),
-            pass(
-                "sort_reorder",
-                passes::SORT,
-                Arguments::Particles,
-                &[
-                    state,
-                    (B::CellStarts, Read),
-                    (B::Slots, Read),
-                    (B::SortedPositions, Write),
-                    (B::Accelerations, Write),
-                    (B::SortedLives, Write),
-                    (B::Control, Write),
-                ],
+            with_words(
+                2,
+                pass(
+                    "sort_reorder",
+                    passes::SORT,
+                    Arguments::Particles,
+                    &with(
+                        solves,
+                        vec![
+                            state,
+                            (B::CellStarts, Read),
+                            (B::Slots, Read),
+                            (B::SortedPositions, Write),
+                            (B::Accelerations, Write),
+                            (B::SortedLives, Write),
+                            (B::Control, Write),
+                        ],
+                        &[(B::Solves, Write)],
+                    ),
+                ),
             ),
         ],
         StageKind::BodySort => {
@@ -164,17 +226,18 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
         }
         StageKind::Density => {
             let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
-            let written =
-                [B::SortedVelocities, B::Densities, B::Hits, B::Accelerations].map(|binding| (binding, Write));
+            let written = [B::SortedVelocities, B::Hits, B::Accelerations].map(|binding| (binding, Write));
             let uses = with(true, uses, &written);
+            // Of an incompressible fluid they are written when its pressures are known.
+            let uses = with(!solves, uses, &[(B::Densities, Write)]);
             vec![pass("density", passes::DENSITY, Arguments::Particles, &uses)]
         }
         StageKind::Acceleration => {
             let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
-            let uses = with(true, uses, &[(if viscous { B::SortedVelocities } else { B::Densities }, Read)]);
-            let uses = with(moving_walls(plan), uses, &[(B::WallVelocities, Read)]);
+            let uses = with(true, uses, &[(if viscous || solves { B::SortedVelocities } else { B::Densities }, Read)]);
+            let uses = with(solves, uses, &[(B::Solves, Write)]);
             let uses = with(true, uses, &[(B::Accelerations, Write), (B::Hits, Read)]);
-            vec![pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses)]
+            vec![with_words(3, pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses))]
         }
         StageKind::BodyLoad => vec![
             pass(
@@ -198,8 +261,27 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let pass = pass("step_control", passes::STEP_CONTROL, Arguments::Particles, &uses);
             vec![Pass { dispatch: Dispatch::Single, ..pass }]
         }
-        // Plans with these are refused by `shader::definitions`.
-        StageKind::DivergenceSolve | StageKind::DensitySolve => Vec::new(),
+        StageKind::DivergenceSolve => {
+            let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
+            let more = [(B::Hits, Read), (B::SortedVelocities, Read), (B::Accelerations, Read), (B::Solves, Write)];
+            let uses = with(true, uses, &more);
+            let first = pass("divergence_first", passes::PROJECTION, Arguments::First, &uses);
+            let begin = vec![with_words(8, first), control("first_control")];
+            begin.into_iter().chain(iteration()).collect()
+        }
+        StageKind::DensitySolve => {
+            let uses = [
+                (B::Control, Write),
+                (B::SortedVelocities, Read),
+                (B::Motions, Read),
+                (B::Accelerations, Write),
+                (B::Densities, Write),
+                (B::Solves, Write),
+            ];
+            let begin = pass("density_begin", passes::PROJECTION, Arguments::Density, &uses);
+            let begin = vec![with_words(7, begin), control("density_control")];
+            begin.into_iter().chain(iteration()).collect()
+        }
         StageKind::BodyMotion => vec![pass(
             "body_motion",
             passes::BODY_MOTION,
@@ -210,16 +292,41 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             "integrate",
             passes::INTEGRATE,
             Arguments::Motion,
-            &[
-                (B::SortedPositions, Read),
-                (B::SortedVelocities, Read),
-                (B::SortedLives, Read),
-                (B::Accelerations, Read),
-                (B::Control, Read),
-                (B::Particles, Write),
-            ],
+            &with(
+                solves,
+                vec![
+                    (B::SortedPositions, Read),
+                    (B::SortedVelocities, Read),
+                    (B::SortedLives, Read),
+                    (B::Accelerations, Read),
+                    (B::Control, Read),
+                    (B::Particles, Write),
+                ],
+                &[(B::Motions, Read)],
+            ),
         )],
     }
+}
+
+/// The passes that end what solves a tick has left open: first the one, then the other.
+pub(crate) fn closing_passes(plan: &Plan) -> Vec<Pass> {
+    if !incompressible(plan) {
+        return Vec::new();
+    }
+    let close = || {
+        between(
+            "close_solve",
+            passes::SOLVE_CONTROL,
+            Dispatch::Single,
+            &[(Binding::Control, Access::Write), (Binding::Arguments, Access::Write)],
+        )
+    };
+    let mut passes = vec![close()];
+    let substep = substep_passes(plan);
+    passes.extend(substep.iter().filter(|pass| matches!(pass.name, "density_begin" | "density_control")).cloned());
+    passes.push(close());
+    passes.extend(substep.into_iter().filter(|pass| pass.stage == Some(StageKind::Integrate)));
+    passes
 }
 
 /// Starts a tick.
@@ -248,12 +355,15 @@ pub(crate) fn begin_bodies() -> Pass {
 }
 
 /// The passes of commands: `spawn`, `finish_spawn`, `remove_ids`, `remove_in_box`.
-pub(crate) fn command_passes() -> [Pass; 4] {
+pub(crate) fn command_passes(plan: &Plan) -> [Pass; 4] {
     use Access::{Read, Write};
     use Binding as B;
     let state = [(B::Particles, Write), (B::Control, Write), (B::Command, Read)];
-    let spawn: Vec<_> =
+    let mut spawn: Vec<_> =
         state.into_iter().chain([(B::Spawned, Read), (B::Densities, Write), (B::Accelerations, Write)]).collect();
+    if incompressible(plan) {
+        spawn.push((B::Solves, Write));
+    }
     [
         between("spawn", passes::COMMANDS, Dispatch::Direct, &spawn),
         between(
@@ -270,5 +380,5 @@ pub(crate) fn command_passes() -> [Pass; 4] {
 fn between(name: &'static str, file: ShaderFile, dispatch: Dispatch, uses: &[(Binding, Access)]) -> Pass {
     let mut uses = uses.to_vec();
     uses.push((Binding::Parameters, Access::Read));
-    Pass { name, stage: None, file, uses, dispatch }
+    Pass { name, stage: None, file, uses, dispatch, iterates: false, solve_words: 0 }
 }

@@ -59,6 +59,11 @@ impl Pipeline {
         })
     }
 
+    /// The same for a pass that differs only in where it is in a substep.
+    pub fn with_pass(self, pass: Pass) -> Self {
+        Self { pass, ..self }
+    }
+
     /// Binds the solver's buffers and, for passes of commands, a tick's own.
     pub fn bind(
         &self,

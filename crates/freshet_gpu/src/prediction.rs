@@ -1,9 +1,21 @@
 //! How many substeps to encode before the GPU has said how many it needs.
 
 use freshet_core::plan::Parameters;
+use freshet_core::pressure_solver::PressureSolver;
 
 /// Substeps encoded beyond the predicted ones; those not needed dispatch nothing.
 pub(crate) const SPARE_SUBSTEPS: u32 = 2;
+
+/// Iterations encoded beyond those that the last ticks needed at most.
+const SPARE_ITERATIONS: u32 = 1;
+
+/// Iterations of each of the two solves encoded before any are known: as many as a fluid at rest takes to start.
+const FIRST_ITERATIONS: [u32; 2] = [16, 4];
+
+/// The number of iterations to encode, when the last known substeps needed at most `known` (zero for none).
+pub(crate) fn iterations_to_encode(known: [u32; 2]) -> [u32; 2] {
+    if known == [0; 2] { FIRST_ITERATIONS } else { known.map(|most| most + SPARE_ITERATIONS) }
+}
 
 /// The number of substeps to encode for `asked` seconds, when the last known substep was `last` seconds (zero for none).
 /// A tick of no length takes one, which evaluates the stages and moves nothing.
@@ -11,13 +23,19 @@ pub(crate) fn substeps_to_encode(parameters: &Parameters, asked: f32, last: f32)
     if asked <= 0.0 {
         return 1;
     }
-    let known = if last > 0.0 {
-        last
-    } else {
-        parameters.substep_limit(parameters.expected_speed, parameters.gravity.length())
-    };
+    let known = if last > 0.0 { last } else { first_limit(parameters) };
     let predicted = (asked / known - 1e-3).ceil().clamp(1.0, 1e6) as u32;
     predicted.saturating_add(SPARE_SUBSTEPS).min(parameters.max_substeps)
+}
+
+/// The substep at the expected speed, before there was one.
+fn first_limit(parameters: &Parameters) -> f32 {
+    let (speed, gravity) = (parameters.expected_speed, parameters.gravity.length());
+    match parameters.pressure_solver {
+        PressureSolver::WeaklyCompressible => parameters.substep_limit(speed, gravity),
+        // What is that fast has fallen from where the pressure was as much.
+        PressureSolver::DivergenceFree(_) => parameters.incompressible_limit(speed, gravity, 0.5 * speed * speed),
+    }
 }
 
 #[cfg(test)]

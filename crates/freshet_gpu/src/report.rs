@@ -54,10 +54,9 @@ impl Arrival {
             mean_compression: control.mean_compression,
             max_compression: if ratio > 0.0 { ratio - 1.0 } else { 0.0 },
             max_speed: control.fastest,
-            // Of solvers that the GPU has not got yet.
-            divergence_iterations: 0,
-            density_iterations: 0,
-            unsolved: 0,
+            divergence_iterations: control.divergence_iterations,
+            density_iterations: control.density_iterations,
+            unsolved: control.unsolved,
             removed: control.removed.0,
             retired: control.retired.0,
             refused: control.refused,

@@ -6,7 +6,6 @@ use std::collections::HashMap;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::kernel::KernelKind;
 use freshet_core::plan::Plan;
-use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::SolverError;
 use freshet_shaders::library;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
@@ -16,7 +15,7 @@ use crate::cells::WallDrag;
 use crate::fine_grid::CELLS_PER_RADIUS;
 use crate::layout::bindings_module;
 use crate::options::GpuOptions;
-use crate::passes::{Arguments, Pass, moving_walls, needs_velocities};
+use crate::passes::{Arguments, Pass, incompressible, moving_walls, needs_velocities};
 
 /// Cells that a workgroup of the prefix sum handles.
 pub(crate) const SCAN_BLOCK: u32 = 1024;
@@ -41,6 +40,9 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("ARGUMENTS_BODIES", Arguments::Bodies as u32);
     number("ARGUMENTS_MOTION", Arguments::Motion as u32);
     number("ARGUMENTS_BODY_MOTION", Arguments::BodyMotion as u32);
+    number("ARGUMENTS_FIRST", Arguments::First as u32);
+    number("ARGUMENTS_ITERATIONS", Arguments::Iterations as u32);
+    number("ARGUMENTS_DENSITY", Arguments::Density as u32);
     number("ARGUMENTS_DRAW", 3 * Arguments::COUNT);
 
     let mut set = |name: &str| definitions.insert(name.to_owned(), ShaderDefValue::Bool(true));
@@ -58,6 +60,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("DRAGGING_WALLS", drag == WallDrag::Artificial),
         ("STICKING_WALLS", drag == WallDrag::Morris),
         ("MOVING_WALLS", moving_walls(plan)),
+        ("INCOMPRESSIBLE", incompressible(plan)),
         ("PERIODIC", plan.grid.periodic.any()),
         ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),
     ] {
@@ -66,11 +69,11 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         }
     }
     set(kernel_definition(parameters.kernel)?);
-    if let PressureSolver::DivergenceFree(_) = parameters.pressure_solver {
+    if incompressible(plan) && bodies {
         return Err(SolverError::Unsupported {
             backend: "gpu",
-            what: "settings.pressure_solver DivergenceFree".to_owned(),
-            reason: "it has no passes for it yet; use the CPU, or WeaklyCompressible".to_owned(),
+            what: "settings.pressure_solver DivergenceFree with bodies".to_owned(),
+            reason: "it has no passes for both yet; use the CPU, or WeaklyCompressible".to_owned(),
         });
     }
     match parameters.pressure_law.equation {

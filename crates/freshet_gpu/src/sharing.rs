@@ -60,8 +60,7 @@ impl GpuSolver {
 
     /// The WGSL of a pass as the plan selected it, without what it does not use; none if the plan does not have it.
     pub fn shader(&self, pass: &str) -> Option<String> {
-        let pipeline =
-            self.compiled.begin.iter().chain(&self.compiled.substep).find(|pipeline| pipeline.pass.name == pass)?;
+        let pipeline = self.compiled.in_order().find(|pipeline| pipeline.pass.name == pass)?;
         text(compose(&pipeline.pass, self.compiled.definitions(), &self.options).ok()?)
     }
 }

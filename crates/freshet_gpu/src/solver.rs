@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use freshet_core::plan::Plan;
+use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solid::Misplaced;
 use freshet_core::solver::{Schedule, ScheduledBuffer, SolverError};
 use freshet_core::step::{BodyInput, StepInput, StepReport};
@@ -16,7 +17,7 @@ use crate::memory::Memory;
 use crate::options::GpuOptions;
 use crate::passes::Arguments;
 use crate::pool::initial_capacity;
-use crate::prediction::substeps_to_encode;
+use crate::prediction::{iterations_to_encode, substeps_to_encode};
 use crate::readback::Readback;
 use crate::report::Arrival;
 use crate::timing::Timer;
@@ -56,6 +57,8 @@ pub(crate) struct Known {
     pub clock: u32,
     /// Wall time of one substep, ms; zero if it was never measured.
     pub milliseconds: f32,
+    /// The most iterations of each of the two solves of a substep; zero if there was none.
+    pub iterations: [u32; 2],
 }
 
 /// A [`Plan`] executed on a GPU.
@@ -140,7 +143,7 @@ impl GpuSolver {
         let start = plan.positions.len() as u32;
         let buffers =
             Buffers::new(device, queue, &plan, initial_capacity(start, plan.max_particles), &options, &memory)?;
-        let names = compiled.substep.iter().map(|pipeline| pipeline.pass.name).collect();
+        let names = compiled.entries().map(|entry| entry.name).collect();
         let timer = if options.time_stamps { Timer::new(device, queue, names, &memory)? } else { None };
         let mut solver = Self {
             device: device.clone(),
@@ -248,6 +251,9 @@ impl GpuSolver {
         self.known.particles = report.particles;
         self.known.carry = arrival.control.remaining.min(StepInput::MAX_DURATION);
         self.known.clock = arrival.clock();
+        if report.substeps > 0 {
+            self.known.iterations = [arrival.control.most_divergence, arrival.control.most_density];
+        }
         if report.smallest_substep > 0.0 {
             self.known.substep = report.smallest_substep;
         }
@@ -274,9 +280,19 @@ impl GpuSolver {
         }
     }
 
+    /// The iterations to encode for each of the two solves of a substep: those that need more take those of the next.
+    pub(crate) fn iterations_to_encode(&self) -> [u32; 2] {
+        match self.plan.parameters.pressure_solver {
+            PressureSolver::WeaklyCompressible => [0; 2],
+            PressureSolver::DivergenceFree(solver) => {
+                iterations_to_encode(self.known.iterations).map(|count| count.min(solver.max_iterations))
+            }
+        }
+    }
+
     /// Makes the bind groups and the schedule anew, after buffers were replaced.
     pub(crate) fn rebind(&mut self) -> Result<(), SolverError> {
-        let pipelines = self.compiled.begin.iter().chain(&self.compiled.substep);
+        let pipelines = self.compiled.in_order();
         self.groups = crate::errors::guarded(&self.device, "making bind groups", || {
             pipelines.map(|pipeline| pipeline.bind(&self.device, &self.buffers, &[])).collect()
         })?;
@@ -289,7 +305,7 @@ impl GpuSolver {
         }
         self.schedule = Schedule {
             backend: "gpu",
-            passes: self.compiled.substep.iter().filter_map(|pipeline| pipeline.pass.scheduled()).collect(),
+            passes: self.compiled.entries().collect(),
             buffers,
             capacity: self.buffers.capacity,
         };
@@ -309,6 +325,7 @@ impl GpuSolver {
         self.start = Some(Start { ids: (0..particles.len() as u32).collect(), positions: self.plan.positions.clone() });
         let control = StepControl { next_id: particles.len() as u32, ..Default::default() };
         self.upload_state(&particles, control);
+        self.buffers.write(&self.queue, Binding::Solves, &self.plan.pressures);
     }
 
     /// Writes particles and control; `control` need not hold the number of particles.

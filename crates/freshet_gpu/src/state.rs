@@ -81,6 +81,13 @@ impl GpuSolver {
         let control = self.control()?;
         let count = control.count as usize;
         let mut particles: Vec<ParticleRecord> = self.download(Binding::Particles, count)?;
+        // None where pressures are not solved for.
+        let mut pressures: Vec<f32> = self.download(Binding::Solves, count)?;
+        if !pressures.is_empty() {
+            let mut order: Vec<usize> = (0..count).collect();
+            order.sort_unstable_by_key(|&index| particles[index].id);
+            pressures = order.into_iter().map(|index| pressures[index]).collect();
+        }
         particles.sort_unstable_by_key(|particle| particle.id);
         let bodies = self.download::<BodyRecord>(Binding::Bodies, self.plan.bodies.len())?;
         Ok(Snapshot {
@@ -94,9 +101,8 @@ impl GpuSolver {
             positions: particles.iter().map(|particle| particle.position).collect(),
             velocities: particles.iter().map(|particle| particle.velocity).collect(),
             remaining_lives: particles.iter().map(|particle| particle.remaining_life).collect(),
-            // Of solvers that the GPU has not got yet.
-            pressures: Vec::new(),
-            last_substep: 0.0,
+            pressures,
+            last_substep: control.last_substep,
             exchanges: bodies.iter().map(|body| body.exchanges.map(Exchange::from)).collect(),
             poses: bodies.iter().map(pose_of).collect(),
         })
@@ -133,8 +139,13 @@ impl GpuSolver {
             .collect();
         // A tick that covered nothing of what it was asked to.
         let (asked, remaining) = (snapshot.carry, snapshot.carry);
-        let control = StepControl { next_id: snapshot.next_id, asked, remaining, ..Default::default() };
+        let last_substep = snapshot.last_substep;
+        let control = StepControl { next_id: snapshot.next_id, asked, remaining, last_substep, ..Default::default() };
         self.upload_state(&particles, control);
+        // Snapshots of other plans have none.
+        let mut pressures = snapshot.pressures.clone();
+        pressures.resize(particles.len(), 0.0);
+        self.buffers.write(&self.queue, Binding::Solves, &pressures);
         self.known.carry = snapshot.carry;
         self.upload_bodies(snapshot)
     }

@@ -46,17 +46,19 @@ pub enum Binding {
     Densities,
     /// [`AccelerationRecord`](records::AccelerationRecord). Between the sort and the density pass: velocities.
     Accelerations,
+    /// Accelerations by a change of the pressures of an incompressible fluid, m/s2. A buffer or a texture, as the positions.
+    Motions,
+    /// What the solves of an incompressible fluid keep, eight words a particle, each word in a section of its own.
+    Solves,
     /// The particle in each slot, before ordering by id.
     Slots,
     /// Number of particles in each cell, then of body samples.
     CellCounts,
     /// First particle of each cell, then first wall sample, first body sample, totals of blocks.
     CellStarts,
-    /// Wall samples, then body samples, each sorted: position, and volume, negative for samples of viscous faces. A buffer or a
-    /// texture, as the positions.
+    /// Wall samples, then body samples, each sorted: position, and volume, negative for samples of viscous faces. Between them, if
+    /// walls move, the velocities of wall samples. A buffer or a texture, as the positions.
     Samples,
-    /// Velocities of wall samples.
-    WallVelocities,
     /// [`BodyRecord`](records::BodyRecord).
     Bodies,
     /// [`BodyInputRecord`](records::BodyInputRecord), a ring.
@@ -73,7 +75,7 @@ pub enum Binding {
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 23] = [
+    pub const ALL: [Binding; 24] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -86,11 +88,12 @@ impl Binding {
         Binding::SortedLives,
         Binding::Densities,
         Binding::Accelerations,
+        Binding::Motions,
+        Binding::Solves,
         Binding::Slots,
         Binding::CellCounts,
         Binding::CellStarts,
         Binding::Samples,
-        Binding::WallVelocities,
         Binding::Bodies,
         Binding::BodyInputs,
         Binding::BodySamples,
@@ -124,11 +127,12 @@ impl Binding {
             Binding::SortedLives => "sorted_lives",
             Binding::Densities => "densities",
             Binding::Accelerations => "accelerations",
+            Binding::Motions => "motions",
+            Binding::Solves => "solves",
             Binding::Slots => "slots",
             Binding::CellCounts => "cell_counts",
             Binding::CellStarts => "cell_starts",
             Binding::Samples => "samples",
-            Binding::WallVelocities => "wall_velocities",
             Binding::Bodies => "bodies",
             Binding::BodyInputs => "body_inputs",
             Binding::BodySamples => "body_samples",
@@ -141,8 +145,10 @@ impl Binding {
     /// Bytes of one particle's part; none for buffers that do not hold particles.
     pub fn particle_bytes(self) -> Option<u64> {
         match self {
-            Binding::Particles | Binding::Hits => Some(32),
-            Binding::SortedPositions | Binding::SortedVelocities | Binding::Accelerations => Some(16),
+            Binding::Particles | Binding::Hits | Binding::Solves => Some(32),
+            Binding::SortedPositions | Binding::SortedVelocities | Binding::Accelerations | Binding::Motions => {
+                Some(16)
+            }
             Binding::Densities => Some(8),
             Binding::SortedLives | Binding::Slots => Some(4),
             _ => None,
@@ -163,11 +169,13 @@ impl Binding {
             Binding::Arguments | Binding::Slots | Binding::CellStarts | Binding::BodySlots => "array<u32>",
             Binding::Particles => "array<ParticleRecord>",
             Binding::Hits => "array<array<u32, 8>>",
-            Binding::SortedPositions | Binding::SortedVelocities | Binding::Samples => "array<vec4<u32>>",
+            Binding::SortedPositions | Binding::SortedVelocities | Binding::Motions | Binding::Samples => {
+                "array<vec4<u32>>"
+            }
+            Binding::Solves => "array<u32>",
             Binding::SortedLives => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
-            Binding::WallVelocities => "array<vec4<f32>>",
             Binding::CellCounts => "array<atomic<u32>>",
             Binding::Bodies => "array<BodyRecord>",
             Binding::BodyInputs => "array<BodyInputRecord>",
@@ -184,7 +192,7 @@ impl Binding {
 
     /// Whether passes read it of every neighbour of a particle: four words each, in a buffer or in a texture.
     pub fn is_of_neighbours(self) -> bool {
-        matches!(self, Binding::SortedPositions | Binding::SortedVelocities | Binding::Samples)
+        matches!(self, Binding::SortedPositions | Binding::SortedVelocities | Binding::Motions | Binding::Samples)
     }
 
     fn declaration(self, writes: bool, is_texture: bool) -> String {
@@ -250,6 +258,22 @@ fn velocity_before(i: u32) -> vec3<f32> { return accelerations[i].acceleration; 
 fn hits_of_own_row(i: u32) -> u32 { return accelerations[i].own_row; }
 "
             }
+            Binding::Motions => "fn motion(i: u32) -> vec3<f32> { return bitcast<vec3<f32>>(motions_words(i).xyz); }\n",
+            // The pressures first: they stay from tick to tick, also in larger buffers. In their order of the last sort they
+            // are where changes come later.
+            Binding::Solves => {
+                "fn solve_word(section: u32, i: u32) -> u32 { return section * (arrayLength(&solves) / 8u) + i; }
+fn solved_pressure(i: u32) -> f32 { return bitcast<f32>(solves[i]); }
+fn sorted_pressure(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(1u, i)]); }
+fn change(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(1u, i)]); }
+fn stepped(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(2u, i)]); }
+fn source(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(3u, i)]); }
+fn left(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(4u, i)]); }
+fn inverse_diagonal(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(5u, i)]); }
+fn taken(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(6u, i)]); }
+fn own_row(i: u32) -> u32 { return solves[solve_word(7u, i)]; }
+"
+            }
             Binding::Slots => "fn slot(i: u32) -> u32 { return slots[i]; }\n",
             Binding::CellCounts => "fn cell_count(i: u32) -> u32 { return atomicLoad(&cell_counts[i]); }\n",
             Binding::CellStarts => "fn cell_start(i: u32) -> u32 { return cell_starts[i]; }\n",
@@ -259,9 +283,11 @@ fn sample(k: u32) -> Sample {
     let words = bitcast<vec4<f32>>(samples_words(k));
     return Sample(words.xyz, abs(words.w), max(-words.w, 0.0));
 }
+fn wall_velocity(k: u32) -> vec3<f32> {
+    return bitcast<vec3<f32>>(samples_words(parameters.wall_samples + k).xyz);
+}
 "
             }
-            Binding::WallVelocities => "fn wall_velocity(k: u32) -> vec3<f32> { return wall_velocities[k].xyz; }\n",
             Binding::Bodies => {
                 "fn body_position(i: u32) -> vec3<f32> { return bodies[i].position; }
 fn body_rotation(i: u32) -> vec4<f32> { return bodies[i].rotation; }
@@ -349,6 +375,24 @@ fn set_remaining_life(i: u32, life: f32) { particles[i].remaining_life = life; }
                 "fn set_acceleration(i: u32, a: vec3<f32>) { accelerations[i].acceleration = a; }
 fn set_velocity_before(i: u32, v: vec3<f32>) { accelerations[i].acceleration = v; }
 fn set_hits_of_own_row(i: u32, value: u32) { accelerations[i].own_row = value; }
+"
+            }
+            Binding::Motions => {
+                "fn set_motion(i: u32, a: vec3<f32>) {
+    set_motions_words(i, bitcast<vec4<u32>>(vec4<f32>(a, 0.0)));
+}
+"
+            }
+            Binding::Solves => {
+                "fn set_solved_pressure(i: u32, value: f32) { solves[i] = bitcast<u32>(value); }
+fn set_sorted_pressure(i: u32, value: f32) { solves[solve_word(1u, i)] = bitcast<u32>(value); }
+fn set_change(i: u32, value: f32) { solves[solve_word(1u, i)] = bitcast<u32>(value); }
+fn set_stepped(i: u32, value: f32) { solves[solve_word(2u, i)] = bitcast<u32>(value); }
+fn set_source(i: u32, value: f32) { solves[solve_word(3u, i)] = bitcast<u32>(value); }
+fn set_left(i: u32, value: f32) { solves[solve_word(4u, i)] = bitcast<u32>(value); }
+fn set_inverse_diagonal(i: u32, value: f32) { solves[solve_word(5u, i)] = bitcast<u32>(value); }
+fn set_taken(i: u32, value: f32) { solves[solve_word(6u, i)] = bitcast<u32>(value); }
+fn set_own_row(i: u32, value: u32) { solves[solve_word(7u, i)] = value; }
 "
             }
             Binding::Slots => "fn set_slot(i: u32, particle: u32) { slots[i] = particle; }\n",

@@ -87,8 +87,10 @@ wgsl_struct! {
         longest_tick: f32,
         /// Most substeps in a tick.
         max_substeps: u32,
-        /// Samples of walls; those of bodies come after them.
+        /// Samples of walls; their velocities come after them, if some move.
         wall_samples: u32,
+        /// Where the samples of bodies begin, behind those of walls.
+        first_body_sample: u32,
         /// Samples of bodies.
         body_samples: u32,
         /// Bodies.
@@ -105,6 +107,36 @@ wgsl_struct! {
         expected_speed: f32,
         /// From further away it jumps, m.
         body_reach: f32,
+        /// m A / (S H^5 rho0): rate of a relative density from the fluid's kernel slopes.
+        rate_scale: f32,
+        /// rho0 / m, 1/m3.
+        number_density: f32,
+        /// (m A / H^5)^2 / (S G rho0): `K` of an incompressible fluid from kernel slopes.
+        diagonal_scale: f32,
+        /// Least `K`.
+        least_diagonal: f32,
+        /// Of Jacobi steps.
+        relaxation: f32,
+        /// How far a particle of an incompressible fluid may go in a substep, m.
+        longest_way: f32,
+        /// Substep times sqrt(p/rho) up to which pressures hold particles in their places, m.
+        pressure_limit: f32,
+        /// Shortest substep that is solved, s.
+        shortest_substep: f32,
+        /// Mean compression at which density iterations end.
+        compression: f32,
+        /// Mean divergence at which divergence iterations of a fast flow end.
+        divergence: f32,
+        /// The same of a flow at rest.
+        least_divergence: f32,
+        /// Least momentum of Jacobi steps.
+        least_momentum: f32,
+        /// Lack of density of a fluid that is a little uneven.
+        lack: f32,
+        /// Share of it that is made up for in a slow flow.
+        filling: f32,
+        /// Most iterations of a solve.
+        max_iterations: u32,
         /// 2 k/rho0 A_near/A: near pressure in units of the fluid's force scale.
         near_pressure: f32,
         /// Unused.
@@ -157,6 +189,44 @@ wgsl_struct! {
         compression_high: Atomic,
         /// Simulated time before this tick, in units of 2^-24 s, from zero again after 256 s: differences are what counts.
         clock: u32,
+        /// Length of the last substep that was solved, s; zero if there was none.
+        last_substep: f32,
+        /// Share of a density too large that velocities correct.
+        share: f32,
+        /// Mean divergence at which this substep's iterations end.
+        divergence: f32,
+        /// What is to be multiplied with the solve's accelerations for the way that corrects positions, s2.
+        correction: f32,
+        /// Where the substep is, see `library/solve.wgsl`.
+        solve_phase: u32,
+        /// Iterations of the solve so far.
+        iterations: u32,
+        /// Nesterov's `t`.
+        pace: f32,
+        /// What the iteration before left.
+        last_left: f32,
+        /// Share of the last step that is taken again.
+        momentum: f32,
+        /// Iterations of divergence solves in this tick.
+        divergence_iterations: u32,
+        /// Iterations of density solves in this tick.
+        density_iterations: u32,
+        /// The most of a divergence solve in this tick.
+        most_divergence: u32,
+        /// The most of a density solve in this tick.
+        most_density: u32,
+        /// Solves of this tick that ended before they were as exact as asked for.
+        unsolved: u32,
+        /// Bits of the largest `p / rho^2` in this substep.
+        max_pressure: Atomic,
+        /// Sum of what an iteration left, in units of 2^-30, lower half.
+        left_low: Atomic,
+        /// Its upper half.
+        left_high: Atomic,
+        /// Unused.
+        pad_a: u32,
+        /// Unused.
+        pad_b: [u32; 2],
     }
 
     /// What a tick is told.

@@ -8,6 +8,7 @@ mod common;
 mod determinism;
 mod drawing;
 mod forces;
+mod incompressible;
 mod lowering;
 mod pipelined;
 mod reconfigure;

@@ -83,10 +83,6 @@ pub fn run(args: &DamBreakArgs) -> Result<Verdict, LabError> {
     let resolutions = args.resolutions();
     let mut jobs = Vec::new();
     for &backend in args.common.backends(BackendChoice::Both) {
-        if backend == Backend::Gpu && args.method == Method::DivergenceFree {
-            say("left out: the GPU, which has no DFSPH yet");
-            continue;
-        }
         let sizes = if backend == Backend::Gpu { &resolutions[..1] } else { &resolutions[..] };
         for &resolution in sizes {
             jobs.extend(DamBreakExperiment::ALL.map(|experiment| Job { experiment, backend, resolution }));

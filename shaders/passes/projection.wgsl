@@ -1,0 +1,277 @@
+// The sums of the stages divergence_solve and density_solve: freshet_core::pressure_solver::DivergenceFree.
+//
+// divergence_first: what velocities compress, the diagonal of the system, and the first step.
+// pressure_change, project: an iteration. Accelerations by the change of pressures, then how fast densities change by them, what
+// that leaves, and the next change. The b come from the bits that the density pass left, see library/hits.wgsl.
+
+#import freshet::bindings as fields
+#import freshet::grid
+#import freshet::hits
+#import freshet::kernels
+#import freshet::solve
+#import freshet::threads
+
+#ifndef PRESSURE_CHANGE
+// What a step multiplies a compression over K with, 1/s2.
+fn step_scale() -> f32 {
+    return fields::parameters.relaxation / (fields::control.substep * fields::control.substep);
+}
+
+#ifndef DENSITY_BEGIN
+// A step from `change` by what it leaves, then momentum; nothing goes below `least`. Returns what counts as wrong.
+fn take_step(a: u32, change: f32, stepped: f32, left: f32, least: f32) -> f32 {
+    let free = change + step_scale() * left * fields::inverse_diagonal(a);
+    let reached = max(free, least);
+    fields::set_change(a, max(reached + fields::control.momentum * (reached - stepped), least));
+    fields::set_stepped(a, reached);
+    fields::set_taken(a, change);
+    fields::set_left(a, left);
+    // Where there is no pressure left to take away, a fluid that parts is as it should be.
+    return select(abs(left), 0.0, free < least);
+}
+#endif
+#endif
+
+#ifdef DIVERGENCE_FIRST
+struct Own {
+    position: vec3<f32>,
+    inverse_radius: f32,
+    velocity: vec3<f32>,
+}
+
+struct Sums {
+    // sum_b F x_ab . (v_a - v_b), the same over samples with their volumes, sum_b F x_ab, the same of samples, sum_b |F x_ab|^2
+    fluid: f32,
+    samples: f32,
+    gradient: vec3<f32>,
+    sample_gradient: vec3<f32>,
+    squares: f32,
+}
+
+// With which a particle leaves the substep, if pressures stay as they are.
+fn velocity_after(i: u32) -> vec3<f32> {
+    return fields::velocity_and_density(i).xyz + fields::control.substep * fields::acceleration(i);
+}
+
+fn own_of(a: u32) -> Own {
+    return Own(fields::sorted_position(a), fields::parameters.inverse_support_radius, velocity_after(a));
+}
+
+fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, fields::sorted_position(b));
+    let along = kernels::slope_over_q(length(x) * own.inverse_radius) * x;
+    (*sums).fluid += dot(along, own.velocity - velocity_after(b));
+    (*sums).gradient += along;
+    (*sums).squares += dot(along, along);
+}
+
+fn add_sample(own: Own, k: u32, sample: fields::Sample, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, sample.position);
+    let along = sample.weight * kernels::slope_over_q(length(x) * own.inverse_radius) * x;
+#ifdef MOVING_WALLS
+    (*sums).samples += dot(along, own.velocity - fields::wall_velocity(k));
+#else
+    (*sums).samples += dot(along, own.velocity);
+#endif
+    (*sums).sample_gradient += along;
+}
+#endif
+
+#ifdef PRESSURE_CHANGE
+struct Own {
+    position: vec3<f32>,
+    inverse_radius: f32,
+    change: f32,
+}
+
+struct Sums {
+    // sum_b (P_a + P_b) F x_ab, and sum_k V_k F x_ak
+    fluid: vec3<f32>,
+    samples: vec3<f32>,
+}
+
+fn own_of(a: u32) -> Own {
+    return Own(fields::sorted_position(a), fields::parameters.inverse_support_radius, fields::change(a));
+}
+
+fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, fields::sorted_position(b));
+    (*sums).fluid += ((own.change + fields::change(b)) * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+}
+
+fn add_sample(own: Own, k: u32, sample: fields::Sample, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, sample.position);
+    (*sums).samples += (sample.weight * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+}
+#endif
+
+#ifdef PROJECT
+struct Own {
+    position: vec3<f32>,
+    inverse_radius: f32,
+    acceleration: vec3<f32>,
+}
+
+struct Sums {
+    // sum_b F x_ab . (a_a - a_b), and sum_k V_k F x_ak . a_a
+    fluid: f32,
+    samples: f32,
+}
+
+fn own_of(a: u32) -> Own {
+    return Own(fields::sorted_position(a), fields::parameters.inverse_support_radius, fields::motion(a));
+}
+
+fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, fields::sorted_position(b));
+    let parting = dot(x, own.acceleration - fields::motion(b));
+    (*sums).fluid += kernels::slope_over_q(length(x) * own.inverse_radius) * parting;
+}
+
+fn add_sample(own: Own, k: u32, sample: fields::Sample, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, sample.position);
+    (*sums).samples += sample.weight * kernels::slope_over_q(length(x) * own.inverse_radius) * dot(x, own.acceleration);
+}
+#endif
+
+#ifndef DENSITY_BEGIN
+fn sums_of(own: Own, a: u32) -> Sums {
+    let center = grid::cell_of(own.position);
+    let extent = grid::shape();
+#ifdef WALLS
+    let wall_starts = fields::parameters.wall_starts;
+#endif
+    var sums: Sums;
+    for (var row = 0u; row < 9u; row++) {
+        var found = 0u;
+        if (row == hits::OWN_ROW) {
+            found = fields::own_row(a);
+        } else {
+            found = fields::hits_of(a, hits::word_of(row));
+        }
+        if (hits::is_empty(found)) {
+            continue;
+        }
+        let cells = grid::cells_of(extent, center, row, found & hits::BEGIN, grid::ROW_CELLS);
+        let around = grid::open_row_of(0u, cells);
+        for (var places = hits::places_of(found); places != 0u; places &= places - 1u) {
+            add_particle(own, grid::member(around, hits::first_of(places)), &sums);
+        }
+        if ((found & hits::MORE) != 0u) {
+            let all = grid::row_of(0u, cells);
+            for (var t = hits::PLACES; t < all.count; t++) {
+                add_particle(own, grid::member(around, t), &sums);
+            }
+        }
+#ifdef WALLS
+        if ((found & hits::SAMPLES) == 0u) {
+            continue;
+        }
+        let walls = grid::row_of(wall_starts, cells);
+        for (var t = 0u; t < walls.count; t++) {
+            let k = grid::member(walls, t);
+            add_sample(own, k, fields::sample(k), &sums);
+        }
+#endif
+    }
+    return sums;
+}
+#endif
+
+#ifdef DIVERGENCE_FIRST
+// What a substep may or must change of a density: DivergenceFree::source.
+fn source_of(excess: f32) -> f32 {
+    let lack = fields::parameters.lack;
+    let share = fields::control.share;
+    let filling = max(share, fields::parameters.filling);
+    return min(excess + lack, 0.0) + filling * clamp(excess, -lack, 0.0) + share * max(excess, 0.0);
+}
+
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn divergence_first(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        let sums = sums_of(own_of(a), a);
+        let number_density = fields::parameters.number_density;
+        let gradient = sums.gradient + number_density * sums.sample_gradient;
+        let diagonal = fields::parameters.diagonal_scale * (dot(gradient, gradient) + sums.squares);
+        fields::set_inverse_diagonal(a, 1.0 / max(diagonal, fields::parameters.least_diagonal));
+        let rate = fields::parameters.rate_scale * (sums.fluid + number_density * sums.samples);
+        let excess = fields::velocity_and_density(a).w * fields::parameters.inverse_rest_density - 1.0;
+        let left = source_of(excess) + fields::control.substep * rate;
+        fields::set_source(a, left);
+        solve::add_left(take_step(a, 0.0, 0.0, left, -fields::solved_pressure(a)));
+    }
+    workgroupBarrier();
+    if (local == 0u) {
+        solve::publish_left();
+    }
+}
+#endif
+
+#ifdef PRESSURE_CHANGE
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn pressure_change(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a >= fields::control.live) {
+        return;
+    }
+    let own = own_of(a);
+    let sums = sums_of(own, a);
+    let by_samples = (fields::parameters.sample_force_scale * own.change) * sums.samples;
+    fields::set_motion(a, -fields::parameters.fluid_force_scale * sums.fluid - by_samples);
+}
+#endif
+
+#ifdef PROJECT
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn project(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        let sums = sums_of(own_of(a), a);
+        let rate = fields::parameters.rate_scale * (sums.fluid + fields::parameters.number_density * sums.samples);
+        let dt = fields::control.substep;
+        let left = fields::source(a) + dt * dt * rate;
+        // Pressures are there already in the one solve, in the other there are none.
+        let least = select(0.0, -fields::solved_pressure(a), fields::control.solve_phase == solve::DIVERGENCE);
+        solve::add_left(take_step(a, fields::change(a), fields::stepped(a), left, least));
+    }
+    workgroupBarrier();
+    if (local == 0u) {
+        solve::publish_left();
+    }
+}
+#endif
+
+#ifdef DENSITY_BEGIN
+// Adds what the divergence solve found to pressures and accelerations; what it leaves too dense is the other solve's.
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn density_begin(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        let density = fields::velocity_and_density(a).w;
+        var pressure = fields::solved_pressure(a);
+        let solving = fields::control.solve_phase == solve::BETWEEN;
+        // The first iteration is about what is there already.
+        if (solving && fields::control.iterations > 1u) {
+            pressure += fields::taken(a);
+            fields::set_solved_pressure(a, pressure);
+            fields::set_acceleration(a, fields::acceleration(a) + fields::motion(a));
+        }
+        fields::set_density(a, density, pressure);
+        if (solving) {
+            let excess = max(density * fields::parameters.inverse_rest_density - 1.0, 0.0);
+            let too_much = fields::left(a) + (1.0 - fields::control.share) * excess;
+            let step = max(step_scale() * too_much * fields::inverse_diagonal(a), 0.0);
+            fields::set_source(a, too_much);
+            fields::set_change(a, step);
+            fields::set_stepped(a, step);
+            solve::add_left(max(too_much, 0.0));
+        }
+    }
+    workgroupBarrier();
+    if (local == 0u) {
+        solve::publish_left();
+    }
+}
+#endif

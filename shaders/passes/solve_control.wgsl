@@ -1,0 +1,104 @@
+// Decides on the GPU how many iterations the solves of a substep take: freshet_core::pressure_solver::DivergenceFree. Single threads.
+//
+// Of each solve a substep has as many iterations encoded as the last ticks needed. A solve that needs more stays open: nothing
+// that comes after it is dispatched, and the iterations of what was encoded for the next substep continue it. So results do not
+// depend on how many were encoded. At the end of a tick that nobody waits for, `close_solve` ends it as it is.
+
+#import freshet::bindings as fields
+#import freshet::arguments
+#import freshet::solve
+
+#ifdef INCOMPRESSIBLE
+// Hears what an iteration left; the pace starts again when that made things worse (O'Donoghue & Candes 2015).
+fn hear(left: f32) {
+    if (left > fields::control.last_left) {
+        fields::control.pace = 1.0;
+    }
+    fields::control.last_left = left;
+    fields::control.iterations += 1u;
+}
+
+fn end_divergence_solve(converged: bool) {
+    let iterations = fields::control.iterations;
+    fields::control.divergence_iterations += iterations;
+    fields::control.most_divergence = max(fields::control.most_divergence, iterations);
+    fields::control.unsolved += select(1u, 0u, converged);
+    fields::control.solve_phase = solve::BETWEEN;
+    arguments::write_solve_arguments(false, false, true);
+}
+
+fn end_density_solve(converged: bool) {
+    let iterations = fields::control.iterations;
+    let dt = fields::control.substep;
+    fields::control.density_iterations += iterations;
+    fields::control.most_density = max(fields::control.most_density, iterations);
+    fields::control.unsolved += select(1u, 0u, converged);
+    fields::control.correction = select(0.0, dt * dt, iterations > 0u);
+    fields::control.last_substep = dt;
+    fields::control.solve_phase = solve::NONE;
+    arguments::write_solve_arguments(false, false, false);
+    arguments::write_arguments(fields::control.going != 0u);
+    arguments::write_motion_arguments(true);
+}
+
+// Goes on with the solve or ends it.
+fn decide(left: f32) {
+    let divergence = fields::control.solve_phase == solve::DIVERGENCE;
+    let wanted = select(fields::parameters.compression, fields::control.divergence, divergence);
+    if (left > wanted && fields::control.iterations < fields::parameters.max_iterations) {
+        solve::set_momentum();
+        arguments::write_solve_arguments(false, true, false);
+    } else if (divergence) {
+        end_divergence_solve(left <= wanted);
+    } else {
+        end_density_solve(left <= wanted);
+    }
+}
+#endif
+
+#ifdef FIRST_CONTROL
+@compute @workgroup_size(1)
+fn first_control() {
+    if (fields::control.solve_phase == solve::DIVERGENCE && fields::control.iterations == 0u) {
+        let left = solve::take_mean_left();
+        hear(left);
+        decide(left);
+    }
+}
+#endif
+
+#ifdef SOLVE_CONTROL
+@compute @workgroup_size(1)
+fn solve_control() {
+    if (fields::control.solve_phase == solve::DIVERGENCE || fields::control.solve_phase == solve::DENSITY) {
+        let left = solve::take_mean_left();
+        hear(left);
+        decide(left);
+    }
+}
+#endif
+
+#ifdef DENSITY_CONTROL
+@compute @workgroup_size(1)
+fn density_control() {
+    if (fields::control.solve_phase == solve::BETWEEN) {
+        fields::control.solve_phase = solve::DENSITY;
+        solve::start_pace();
+        decide(solve::take_mean_left());
+    } else if (fields::control.solve_phase == solve::NONE) {
+        // A substep too short to be solved has shown its pressures.
+        arguments::write_solve_arguments(false, false, false);
+    }
+}
+#endif
+
+#ifdef CLOSE_SOLVE
+@compute @workgroup_size(1)
+fn close_solve() {
+    if (fields::control.solve_phase == solve::DIVERGENCE) {
+        end_divergence_solve(false);
+    } else if (fields::control.solve_phase == solve::DENSITY) {
+        end_density_solve(false);
+    }
+}
+#endif
