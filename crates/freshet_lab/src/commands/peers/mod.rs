@@ -177,11 +177,10 @@ pub fn run(args: &PeersArgs) -> Result<Verdict, LabError> {
     Ok(verdict(&runs))
 }
 
-/// The methods that a backend has.
+/// Our methods.
 fn ours(backend: Backend) -> Vec<Peer> {
-    let has = |method: &Method| backend == Backend::Cpu || *method == Method::WeaklyCompressible;
     // The incompressible one first: ratios are over the first, and it is what the others are to be compared with.
-    Method::ALL.into_iter().rev().filter(has).map(|method| Peer::Freshet(backend, method)).collect()
+    Method::ALL.into_iter().rev().map(|method| Peer::Freshet(backend, method)).collect()
 }
 
 /// The systems that can run here; says which cannot and why.
