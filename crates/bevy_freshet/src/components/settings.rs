@@ -98,7 +98,7 @@ pub enum FluidPressureSolver {
     #[default]
     WeaklyCompressible,
     /// Such that the fluid is not compressed, in few substeps of some iterations: several times as fast, and calmer, but not with
-    /// bodies yet, and on the CPU backend only.
+    /// bodies yet.
     DivergenceFree {
         /// Mean compression with which positions are left as they are, 1e-6 to 0.1.
         compression: f32,
