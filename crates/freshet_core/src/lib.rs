@@ -27,6 +27,7 @@ pub mod solver;
 pub mod step;
 pub mod viscosity;
 pub mod work;
+pub mod xsph;
 
 /// What most programs need.
 pub mod prelude {

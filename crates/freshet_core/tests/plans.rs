@@ -51,6 +51,21 @@ fn without_bodies_there_is_no_stage_for_them() {
 }
 
 #[test]
+fn xsph_is_a_stage_of_plans_that_ask_for_it_and_knows_both_solvers() {
+    use StageKind::{Acceleration, Density, DensitySolve, DivergenceSolve, Integrate, Sort, StepControl, Xsph};
+    let with = |mut scene: FluidScene| {
+        scene.settings.xsph = 0.5;
+        Plan::new(&scene).unwrap()
+    };
+    let plan = with(dam_break());
+    assert_eq!(kinds(&plan), [Sort, Density, Acceleration, StepControl, Xsph, Integrate]);
+    assert!(reason(&plan, Xsph).contains("settings.xsph is 0.5") && plan.to_string().contains("XSPH with epsilon 0.5"));
+    let plan = with(incompressible(DivergenceFree::default()));
+    let all = [Sort, Density, Acceleration, StepControl, DivergenceSolve, Xsph, DensitySolve, Integrate];
+    assert_eq!(kinds(&plan), all);
+}
+
+#[test]
 fn every_stage_has_a_reason_that_fits_the_scene() {
     let plan = Plan::new(&FluidScene { bodies: vec![cork()], ..dam_break() }).unwrap();
     assert!(plan.stages.iter().all(|stage| stage.reason.len() > 10));

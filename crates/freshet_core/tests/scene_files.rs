@@ -53,6 +53,7 @@ FluidScene(
         sound_speed: Some(90),
         artificial_viscosity: 0.07,
         near_pressure: 0.01,
+        xsph: 0.25,
         courant_factor: 0.41,
         force_factor: 0.26,
         viscous_factor: 0.13,
@@ -200,7 +201,7 @@ fn what_could_not_be_read_again_is_not_written() {
 }
 
 /// Each: what is changed into what, then field, value and allowed range as the message must name them.
-const INVALID: [(&str, &str, [&str; 3]); 46] = [
+const INVALID: [(&str, &str, [&str; 3]); 47] = [
     ("Spacing(0.1)", "Spacing(-0.1)", ["resolution", "-0.1", "0.0001 to 100"]),
     ("Spacing(0.1)", "Spacing(0)", ["resolution", "0", "0.0001 to 100"]),
     ("Spacing(0.1)", "Spacing(1e-5)", ["resolution", "0.00001", "0.0001 to 100"]),
@@ -246,6 +247,7 @@ const INVALID: [(&str, &str, [&str; 3]); 46] = [
     ("support: Ratio(2)", "expected_speed: 0", ["settings.expected_speed", "0", "0.0001 to 10000"]),
     ("artificial_viscosity: 0.07", "artificial_viscosity: 1.5", ["settings.artificial_viscosity", "1.5", "0 to 1"]),
     ("near_pressure: 0.01", "near_pressure: 0.2", ["settings.near_pressure", "0.2", "0 to 0.1"]),
+    ("xsph: 0.25", "xsph: 1.5", ["settings.xsph", "1.5", "0 to 1"]),
     ("courant_factor: 0.41", "courant_factor: 0", ["settings.courant_factor", "0", "0.01 to 1"]),
     ("force_factor: 0.26", "force_factor: 2", ["settings.force_factor", "2", "0.01 to 1"]),
     ("viscous_factor: 0.13", "viscous_factor: NaN", ["settings.viscous_factor", "NaN", "0.01 to 1"]),

@@ -68,6 +68,8 @@ pub struct CpuSolver {
     /// Of plans whose pressures follow from densities.
     pressure_term: Vec<f32>,
     acceleration: [Vec<f32>; 3],
+    /// Of plans with XSPH.
+    drift: [Vec<f32>; 3],
     /// Of plans whose pressures are solved for.
     solve: PressureSolve,
     /// Length of the last substep, s; zero if there was none.
@@ -157,6 +159,7 @@ impl CpuSolver {
             density: Vec::new(),
             pressure_term: Vec::new(),
             acceleration: Default::default(),
+            drift: Default::default(),
             solve: PressureSolve::default(),
             last_substep: 0.0,
             walls: SortedSamples::default(),
@@ -218,6 +221,7 @@ impl CpuSolver {
         }
         self.body_samples = BodySamples::default();
         self.candidates = Vec::new();
+        self.drift = Default::default();
         self.solve = PressureSolve::default();
         let solves = self.plan.has(StageKind::DivergenceSolve);
         if solves != self.particles.keeps_pressures() {
@@ -256,6 +260,9 @@ impl CpuSolver {
         ];
         if self.solve.bytes() > 0 {
             self.schedule.buffers.push(schedule::buffer("pressure_solve", self.solve.bytes(), true));
+        }
+        if self.plan.has(StageKind::Xsph) {
+            self.schedule.buffers.push(schedule::buffer("drift", real(&self.drift), true));
         }
         if !self.walls.is_empty() {
             self.schedule.buffers.push(schedule::buffer("walls", self.walls.bytes(), false));
@@ -396,10 +403,13 @@ impl CpuSolver {
             let solved = tally.timed("divergence_solve", || self.divergence_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
             tally.divergence_iterations += iterations;
+            self.xsph(dt, tally);
             let solved = tally.timed("density_solve", || self.density_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
             tally.density_iterations += iterations;
             self.last_substep = dt;
+        } else {
+            self.xsph(dt, tally);
         }
         tally.timed("body_motion", || {
             for (body, &(force, torque)) in self.bodies.iter_mut().zip(&self.loads) {
@@ -414,6 +424,13 @@ impl CpuSolver {
         tally.max_compression = tally.max_compression.max(compression.largest);
         tally.max_speed = maxima.speed_squared.sqrt();
         dt
+    }
+
+    /// Stage `xsph`, if the plan has it.
+    fn xsph(&mut self, dt: f32, tally: &mut Tally) {
+        if self.plan.has(StageKind::Xsph) {
+            tally.timed("xsph", || self.xsph_stage(dt));
+        }
     }
 }
 

@@ -15,7 +15,7 @@ pub struct Workspace {
     pub moving: Packed<6>,
     /// Samples that drag by artificial viscosity.
     pub dragging: Packed<5>,
-    /// Samples that drag by a physical viscosity.
+    /// Samples that drag by a physical viscosity; fluid with its motion and density.
     pub sticking: Packed<7>,
     /// Fluid with a viscosity.
     pub viscous: Packed<8>,

@@ -1,6 +1,6 @@
 //! The solver's memory: what is needed for a plan and a capacity, and its allocation.
 
-use freshet_core::plan::Plan;
+use freshet_core::plan::{Plan, StageKind};
 use freshet_core::solver::{ScheduledBuffer, SolverError};
 use wgpu::BufferUsages as Usage;
 
@@ -67,7 +67,8 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     need(Binding::Control, size_of::<StepControl>() as u64, state);
     let arguments = 4 * (3 * Arguments::COUNT as u64 + 4);
     need(Binding::Arguments, arguments, Usage::STORAGE | Usage::INDIRECT | Usage::COPY_DST | Usage::COPY_SRC);
-    for binding in Binding::ALL.into_iter().filter(|binding| binding.memory() == *binding) {
+    let is_needed = |binding: &Binding| *binding != Binding::Drifts || plan.has(StageKind::Xsph);
+    for binding in Binding::ALL.into_iter().filter(|binding| binding.memory() == *binding).filter(is_needed) {
         if let Some(each) = binding.particle_bytes() {
             need(binding, each * u64::from(capacity), state);
         }

@@ -200,25 +200,38 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
         }
         // Plans with these are refused by `shader::definitions`.
         StageKind::DivergenceSolve | StageKind::DensitySolve => Vec::new(),
+        StageKind::Xsph => vec![pass(
+            "xsph",
+            passes::XSPH,
+            Arguments::Motion,
+            &[
+                (B::SortedPositions, Read),
+                (B::SortedVelocities, Read),
+                (B::CellStarts, Read),
+                (B::Hits, Read),
+                (B::Accelerations, Read),
+                (B::Control, Read),
+                (B::Drifts, Write),
+            ],
+        )],
         StageKind::BodyMotion => vec![pass(
             "body_motion",
             passes::BODY_MOTION,
             Arguments::BodyMotion,
             &[(B::Bodies, Write), (B::Control, Write)],
         )],
-        StageKind::Integrate => vec![pass(
-            "integrate",
-            passes::INTEGRATE,
-            Arguments::Motion,
-            &[
+        StageKind::Integrate => {
+            let moved = [
                 (B::SortedPositions, Read),
                 (B::SortedVelocities, Read),
                 (B::SortedLives, Read),
                 (B::Accelerations, Read),
                 (B::Control, Read),
                 (B::Particles, Write),
-            ],
-        )],
+            ];
+            let uses = with(plan.has(StageKind::Xsph), moved.to_vec(), &[(B::Drifts, Read)]);
+            vec![pass("integrate", passes::INTEGRATE, Arguments::Motion, &uses)]
+        }
     }
 }
 

@@ -54,6 +54,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("PAIR_VELOCITIES", needs_velocities(plan)),
         ("ARTIFICIAL_VISCOSITY", parameters.artificial_viscosity > 0.0),
         ("NEAR_PRESSURE", parameters.near_pressure > 0.0),
+        ("XSPH_DRIFT", parameters.xsph > 0.0),
         ("MORRIS_VISCOSITY", parameters.dynamic_viscosity > 0.0),
         ("DRAGGING_WALLS", drag == WallDrag::Artificial),
         ("STICKING_WALLS", drag == WallDrag::Morris),

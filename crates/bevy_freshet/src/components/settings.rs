@@ -30,6 +30,8 @@ pub struct FluidSettings {
     pub artificial_viscosity: f32,
     /// Near pressure over the square of the speed of sound, 0 to 0.1: see [`Settings::near_pressure`].
     pub near_pressure: f32,
+    /// XSPH's epsilon, 0 to 1: see [`Settings::xsph`].
+    pub xsph: f32,
     /// Substep over `h / (c + v)`, of an incompressible fluid over `d / v`, 0.01 to 1; `h` is half the reach of the kernel.
     pub courant_factor: f32,
     /// Substep over `sqrt(h / a)`, 0.01 to 1; an incompressible fluid does not need it.
@@ -61,6 +63,7 @@ impl FluidSettings {
             allow_compressible: settings.allow_compressible,
             artificial_viscosity: settings.artificial_viscosity,
             near_pressure: settings.near_pressure,
+            xsph: settings.xsph,
             courant_factor: settings.courant_factor,
             force_factor: settings.force_factor,
             viscous_factor: settings.viscous_factor,
@@ -81,6 +84,7 @@ impl FluidSettings {
             allow_compressible: self.allow_compressible,
             artificial_viscosity: self.artificial_viscosity,
             near_pressure: self.near_pressure,
+            xsph: self.xsph,
             courant_factor: self.courant_factor,
             force_factor: self.force_factor,
             viscous_factor: self.viscous_factor,

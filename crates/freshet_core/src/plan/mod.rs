@@ -205,6 +205,7 @@ impl Plan {
             expected_speed,
             artificial_viscosity: settings.artificial_viscosity,
             near_pressure: settings.near_pressure * sound_speed * sound_speed,
+            xsph: settings.xsph,
             dynamic_viscosity: scene.physical_viscosity().map_or(0.0, |_| scene.material.dynamic_viscosity),
             viscous_calibration: kernel.lattice_viscous_sum(spacing) as f32,
             courant_factor: settings.courant_factor,

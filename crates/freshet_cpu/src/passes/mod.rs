@@ -12,3 +12,4 @@ pub mod morris1997;
 pub mod projection;
 pub mod sort;
 pub mod step_control;
+pub mod xsph;

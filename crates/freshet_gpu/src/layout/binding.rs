@@ -69,11 +69,13 @@ pub enum Binding {
     SampleLoads,
     /// [`SpawnRecord`](records::SpawnRecord).
     Spawned,
+    /// What particles move with beside their velocity, of plans with XSPH: four words each, the last unused.
+    Drifts,
 }
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 23] = [
+    pub const ALL: [Binding; 24] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -97,6 +99,7 @@ impl Binding {
         Binding::BodySlots,
         Binding::SampleLoads,
         Binding::Spawned,
+        Binding::Drifts,
     ];
 
     /// Number in group 0.
@@ -135,6 +138,7 @@ impl Binding {
             Binding::BodySlots => "body_slots",
             Binding::SampleLoads => "sample_loads",
             Binding::Spawned => "spawned",
+            Binding::Drifts => "drifts",
         }
     }
 
@@ -143,6 +147,7 @@ impl Binding {
         match self {
             Binding::Particles | Binding::Hits => Some(32),
             Binding::SortedPositions | Binding::SortedVelocities | Binding::Accelerations => Some(16),
+            Binding::Drifts => Some(16),
             Binding::Densities => Some(8),
             Binding::SortedLives | Binding::Slots => Some(4),
             _ => None,
@@ -167,7 +172,7 @@ impl Binding {
             Binding::SortedLives => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
-            Binding::WallVelocities => "array<vec4<f32>>",
+            Binding::WallVelocities | Binding::Drifts => "array<vec4<f32>>",
             Binding::CellCounts => "array<atomic<u32>>",
             Binding::Bodies => "array<BodyRecord>",
             Binding::BodyInputs => "array<BodyInputRecord>",
@@ -262,6 +267,7 @@ fn sample(k: u32) -> Sample {
 "
             }
             Binding::WallVelocities => "fn wall_velocity(k: u32) -> vec3<f32> { return wall_velocities[k].xyz; }\n",
+            Binding::Drifts => "fn drift(i: u32) -> vec3<f32> { return drifts[i].xyz; }\n",
             Binding::Bodies => {
                 "fn body_position(i: u32) -> vec3<f32> { return bodies[i].position; }
 fn body_rotation(i: u32) -> vec4<f32> { return bodies[i].rotation; }
@@ -387,6 +393,7 @@ fn add_body_impulse(i: u32, slot: u32, linear: vec3<f32>, angular: vec3<f32>) {
 }
 "
             }
+            Binding::Drifts => "fn set_drift(i: u32, e: vec3<f32>) { drifts[i] = vec4<f32>(e, 0.0); }\n",
             Binding::BodySlots => "fn set_body_slot(i: u32, k: u32) { body_slots[i] = k; }\n",
             Binding::SampleLoads => {
                 "fn set_sample_load(k: u32, f: vec3<f32>, t: vec3<f32>) {

@@ -213,6 +213,79 @@ fn near_pressure_repels_as_in_the_reference() {
     assert!(has(&with(dam_break(0.05))) && !has(&dam_break(0.05)), "only a plan that has it has it in its shader");
 }
 
+/// The largest error of what particles move with beside their velocity, over what rounding of their positions makes of it.
+fn drift_error(solver: &mut GpuSolver) -> f64 {
+    let plan = solver.plan().clone();
+    let p = &plan.parameters;
+    let (before, velocities) = if plan.grid.periodic.any() { stirred(&plan) } else { moving_fluid(&plan) };
+    let before: Vec<Vec3> = before.into_iter().map(|x| plan.grid.periodic.wrap(x)).collect();
+    let ids: Vec<u32> = (0..before.len() as u32).collect();
+    place(solver, &ids, &before, &velocities);
+    let dt = 2e-4;
+    let report = solver.step(&tick(0, dt)).unwrap();
+    assert_eq!((report.particles, report.substeps), (ids.len() as u32, 1), "{report:?}");
+    let order = solver.read(Field::Id).unwrap().integers().unwrap();
+    let mut by_id = |field| solver.read(field).unwrap().sorted_by_id(&order);
+    let density = by_id(Field::Density).scalars().unwrap();
+    let after = by_id(Field::Position).vectors().unwrap();
+    let velocity = by_id(Field::Velocity).vectors().unwrap();
+    let kernel = p.kernel().unwrap();
+    let period = plan.grid.periodic.lengths().as_dvec3();
+    let difference = |a: Vec3, b: Vec3| {
+        let mut x = a.as_dvec3() - b.as_dvec3();
+        for axis in (0..3).filter(|&axis| period[axis] > 0.0) {
+            x[axis] -= period[axis] * (x[axis] / period[axis]).round();
+        }
+        x
+    };
+    let (mut worst, mut largest) = (0.0f64, 0.0f64);
+    for a in 0..before.len() {
+        // Monaghan 1989, eq. 2.6.
+        let pair = |b: usize| {
+            let mean = 0.5 * (f64::from(density[a]) + f64::from(density[b]));
+            let weight = f64::from(p.particle_mass / p.density_calibration) / mean;
+            weight * kernel.value(difference(before[a], before[b]).length()) * (velocity[b] - velocity[a]).as_dvec3()
+        };
+        let expected = f64::from(p.xsph) * (0..before.len()).map(pair).sum::<glam::DVec3>();
+        let found = difference(after[a], before[a]) / f64::from(dt) - velocity[a].as_dvec3();
+        let rounding = 1.2e-7 * f64::from(before[a].abs().max_element().max(1.0)) / f64::from(dt);
+        worst = worst.max((found - expected).length() / rounding);
+        largest = largest.max(expected.length());
+    }
+    assert!(largest > 0.5, "{largest}");
+    worst
+}
+
+#[test]
+fn xsph_moves_particles_as_in_the_reference() {
+    // Soft, so that pairs as close as these take no short steps.
+    let with = |mut scene: FluidScene| {
+        scene.settings.xsph = 0.7;
+        (scene.settings.sound_speed, scene.settings.allow_compressible) = (Some(0.3), true);
+        scene
+    };
+    let wide = Settings { support: Support::Ratio(3.2), artificial_viscosity: 0.0, ..Default::default() };
+    let scenes = [with(dam_break(0.05)), with(channel()), with(FluidScene { settings: wide, ..dam_break(0.05) })];
+    for (scene, neighbours) in
+        scenes.iter().zip([NeighbourMemory::Textures, NeighbourMemory::Buffers, NeighbourMemory::Textures])
+    {
+        let found = drift_error(&mut solver_with(scene, GpuOptions { neighbours, ..Default::default() }));
+        assert!(found < 2.0, "{:?}: {found} times what rounding makes", scene.settings);
+    }
+    let patch = Some(("/ (own.density + motion.w)", "/ (own.density + 1.02 * motion.w)"));
+    let found = drift_error(&mut solver_with(&scenes[0], GpuOptions { patch, ..Default::default() }));
+    assert!(found > 4.0, "a wrong constant makes an error of {found} roundings only");
+    let has = |scene: &FluidScene| {
+        let solver = solver(scene);
+        let schedule = solver.schedule();
+        let buffers = schedule.buffers.iter().any(|buffer| buffer.name == "drifts");
+        assert_eq!(solver.shader("integrate").unwrap().contains("drift"), buffers);
+        assert_eq!(schedule.passes.iter().any(|pass| pass.name == "xsph"), buffers);
+        buffers
+    };
+    assert!(has(&scenes[0]) && !has(&dam_break(0.05)), "only a plan that asks for it has pass and buffer");
+}
+
 #[test]
 fn a_wrong_constant_would_be_noticed() {
     for (patch, index) in [
