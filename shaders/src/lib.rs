@@ -66,6 +66,8 @@ pub mod passes {
         BODY_LOAD = "body_load.wgsl",
         /// Length and number of substeps.
         STEP_CONTROL = "step_control.wgsl",
+        /// Friction of walls.
+        FRICTION = "friction.wgsl",
         /// Motion with the neighbours' mean velocity.
         XSPH = "xsph.wgsl",
         /// Motion of bodies.

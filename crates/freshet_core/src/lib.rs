@@ -43,7 +43,7 @@ pub mod prelude {
     pub use crate::pressure_solver::{DivergenceFree, PressureSolver};
     pub use crate::run::SceneRun;
     pub use crate::scene::{
-        Body, Boundary, BoundaryShape, FluidScene, FluidSide, Resolution, Settings, Shape, Support, Volume,
+        Body, Boundary, BoundaryShape, FluidScene, FluidSide, Friction, Resolution, Settings, Shape, Support, Volume,
     };
     pub use crate::snapshot::Snapshot;
     pub use crate::solid::{Solid, SolidShape};

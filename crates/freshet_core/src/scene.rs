@@ -2,12 +2,14 @@
 //! it into what is executed.
 
 mod boundary;
+mod friction;
 
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
 pub(crate) use self::boundary::side_of;
 pub use self::boundary::{Boundary, BoundaryShape, FluidSide};
+pub use self::friction::Friction;
 
 use crate::emitter::Emitter;
 use crate::equation_of_state::EquationOfState;

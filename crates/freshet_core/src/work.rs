@@ -85,9 +85,12 @@ impl Work {
                 let per_pair = DISTANCE + RELATIVE + shape + 3 + 1 + 1 + ADD_VECTOR;
                 Self { per_particle: ADD_VECTOR + 3, per_pair }
             }
-            StageKind::BodySort | StageKind::BodyLoad | StageKind::StepControl | StageKind::BodyMotion => {
-                Self::default()
-            }
+            // Of particles beside such walls only.
+            StageKind::Friction
+            | StageKind::BodySort
+            | StageKind::BodyLoad
+            | StageKind::StepControl
+            | StageKind::BodyMotion => Self::default(),
         }
     }
 

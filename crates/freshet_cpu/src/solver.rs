@@ -215,6 +215,7 @@ impl CpuSolver {
         if !boundary.positions.is_empty() {
             self.walls.sort(&self.plan.grid, &boundary.positions, &boundary.volumes);
             self.walls.set_viscous(&boundary.viscous);
+            self.walls.set_frictions(&boundary.frictions);
             if self.plan.parameters.dynamic_viscosity > 0.0 {
                 self.walls.set_velocities(&boundary.velocities);
             }
@@ -403,13 +404,13 @@ impl CpuSolver {
             let solved = tally.timed("divergence_solve", || self.divergence_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
             tally.divergence_iterations += iterations;
-            self.xsph(dt, tally);
+            self.final_velocities(dt, tally);
             let solved = tally.timed("density_solve", || self.density_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
             tally.density_iterations += iterations;
             self.last_substep = dt;
         } else {
-            self.xsph(dt, tally);
+            self.final_velocities(dt, tally);
         }
         tally.timed("body_motion", || {
             for (body, &(force, torque)) in self.bodies.iter_mut().zip(&self.loads) {
@@ -426,8 +427,11 @@ impl CpuSolver {
         dt
     }
 
-    /// Stage `xsph`, if the plan has it.
-    fn xsph(&mut self, dt: f32, tally: &mut Tally) {
+    /// Stages `friction` and `xsph`, if the plan has them.
+    fn final_velocities(&mut self, dt: f32, tally: &mut Tally) {
+        if self.plan.has(StageKind::Friction) {
+            tally.timed("friction", || self.friction_stage(dt));
+        }
         if self.plan.has(StageKind::Xsph) {
             tally.timed("xsph", || self.xsph_stage(dt));
         }

@@ -82,6 +82,9 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     if moving_walls(plan) {
         need(Binding::WallVelocities, bytes(16, walls), state);
     }
+    if plan.has(StageKind::Friction) {
+        need(Binding::WallFrictions, bytes(8, walls), state);
+    }
     if !plan.bodies.is_empty() {
         let bodies = plan.bodies.len();
         need(Binding::Bodies, bytes(size_of::<BodyRecord>(), bodies), state);
@@ -122,6 +125,7 @@ impl Buffers {
             let walls = sort_walls(plan);
             buffers.write_samples(queue, &walls.samples);
             buffers.write(queue, Binding::WallVelocities, &walls.velocities);
+            buffers.write(queue, Binding::WallFrictions, &walls.frictions);
             buffers.write_at(queue, Binding::CellStarts, 4 * u64::from(tables.wall_starts), &walls.starts);
         }
         if !plan.bodies.is_empty() {

@@ -200,6 +200,20 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
         }
         // Plans with these are refused by `shader::definitions`.
         StageKind::DivergenceSolve | StageKind::DensitySolve => Vec::new(),
+        StageKind::Friction => vec![pass(
+            "friction",
+            passes::FRICTION,
+            Arguments::Motion,
+            &[
+                (B::SortedPositions, Read),
+                (B::SortedVelocities, Read),
+                (B::CellStarts, Read),
+                (B::Samples, Read),
+                (B::WallFrictions, Read),
+                (B::Control, Read),
+                (B::Accelerations, Write),
+            ],
+        )],
         StageKind::Xsph => vec![pass(
             "xsph",
             passes::XSPH,

@@ -24,6 +24,8 @@ pub enum StageKind {
     StepControl,
     /// Finds the pressures with which velocities do not compress the fluid.
     DivergenceSolve,
+    /// What walls with friction take of velocities along them.
+    Friction,
     /// How much faster or slower than with their own velocity particles move, for the mean velocity around them.
     Xsph,
     /// Moves particles apart where the fluid is compressed.
@@ -45,6 +47,7 @@ impl StageKind {
             StageKind::BodyLoad => "body_load",
             StageKind::StepControl => "step_control",
             StageKind::DivergenceSolve => "divergence_solve",
+            StageKind::Friction => "friction",
             StageKind::Xsph => "xsph",
             StageKind::DensitySolve => "density_solve",
             StageKind::BodyMotion => "body_motion",
@@ -110,6 +113,9 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
             solver.divergence
         );
         add(StageKind::DivergenceSolve, &divergence);
+    }
+    if scene.boundaries.iter().any(|boundary| boundary.friction.is_some()) {
+        add(StageKind::Friction, "boundaries have friction, which holds or slows what they carry");
     }
     if scene.settings.xsph > 0.0 {
         let share = scene.settings.xsph;

@@ -7,6 +7,7 @@ pub mod body_motion;
 pub mod body_sort;
 pub mod commands;
 pub mod density;
+pub mod friction;
 pub mod integrate;
 pub mod morris1997;
 pub mod projection;

@@ -12,7 +12,7 @@ use crate::passes::acceleration::Maxima;
 use crate::passes::density::{Compression, Second};
 use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
-use crate::passes::{acceleration, body_load, density, integrate, xsph};
+use crate::passes::{acceleration, body_load, density, friction, integrate, xsph};
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
 use crate::tasks::Tasks;
@@ -177,6 +177,32 @@ impl CpuSolver {
             }
             self.loads.push((force.as_vec3(), torque.as_vec3()));
         }
+    }
+
+    /// Takes what the friction of walls takes in `dt` seconds.
+    pub(super) fn friction_stage(&mut self, dt: f32) {
+        let parameters = &self.plan.parameters;
+        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let inputs = friction::Inputs {
+            arch: self.arch,
+            grid: &self.plan.grid,
+            starts: &self.sorter.starts,
+            particles: &self.particles,
+            walls: &self.walls,
+            kinds_of_samples: those_with_samples(&[&self.walls, &self.body_samples.sorted]).len(),
+            pressure_term: if self.particles.keeps_pressures() {
+                &self.particles.pressure
+            } else {
+                &self.pressure_term
+            },
+            factor: -parameters.rest_density * scale,
+            dt,
+        };
+        let results = self.acceleration.each_mut().map(Vec::as_mut_slice);
+        let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, acceleration)| {
+            dispatch(parameters.kernel, friction::Task { inputs, chunk, workspace, candidates, acceleration })
+        })
     }
 
     /// Velocities after the substep, and what particles move with besides.

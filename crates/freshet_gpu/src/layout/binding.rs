@@ -69,13 +69,15 @@ pub enum Binding {
     SampleLoads,
     /// [`SpawnRecord`](records::SpawnRecord).
     Spawned,
+    /// Coefficients of friction of wall samples: of what sticks and of what slides.
+    WallFrictions,
     /// What particles move with beside their velocity, of plans with XSPH: four words each, the last unused.
     Drifts,
 }
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 24] = [
+    pub const ALL: [Binding; 25] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -99,6 +101,7 @@ impl Binding {
         Binding::BodySlots,
         Binding::SampleLoads,
         Binding::Spawned,
+        Binding::WallFrictions,
         Binding::Drifts,
     ];
 
@@ -138,6 +141,7 @@ impl Binding {
             Binding::BodySlots => "body_slots",
             Binding::SampleLoads => "sample_loads",
             Binding::Spawned => "spawned",
+            Binding::WallFrictions => "wall_frictions",
             Binding::Drifts => "drifts",
         }
     }
@@ -172,6 +176,7 @@ impl Binding {
             Binding::SortedLives => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
+            Binding::WallFrictions => "array<vec2<f32>>",
             Binding::WallVelocities | Binding::Drifts => "array<vec4<f32>>",
             Binding::CellCounts => "array<atomic<u32>>",
             Binding::Bodies => "array<BodyRecord>",
@@ -267,6 +272,7 @@ fn sample(k: u32) -> Sample {
 "
             }
             Binding::WallVelocities => "fn wall_velocity(k: u32) -> vec3<f32> { return wall_velocities[k].xyz; }\n",
+            Binding::WallFrictions => "fn wall_friction(k: u32) -> vec2<f32> { return wall_frictions[k]; }\n",
             Binding::Drifts => "fn drift(i: u32) -> vec3<f32> { return drifts[i].xyz; }\n",
             Binding::Bodies => {
                 "fn body_position(i: u32) -> vec3<f32> { return bodies[i].position; }
