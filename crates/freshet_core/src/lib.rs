@@ -17,6 +17,7 @@ mod overlap;
 pub mod periodic;
 pub mod plan;
 pub mod pressure_solver;
+pub mod relaxation;
 pub mod run;
 pub mod sampling;
 pub mod scene;
@@ -41,6 +42,7 @@ pub mod prelude {
     pub use crate::periodic::Periodic;
     pub use crate::plan::{Plan, SceneError, StageKind};
     pub use crate::pressure_solver::{DivergenceFree, PressureSolver};
+    pub use crate::relaxation::Relaxation;
     pub use crate::run::SceneRun;
     pub use crate::scene::{
         Body, Boundary, BoundaryShape, FluidScene, FluidSide, Friction, Resolution, Settings, Shape, Support, Volume,

@@ -18,6 +18,7 @@ use crate::kernel::KernelKind;
 use crate::material::Material;
 use crate::periodic::Periodic;
 use crate::pressure_solver::PressureSolver;
+use crate::relaxation::Relaxation;
 use crate::solid::Solid;
 use crate::viscosity::ViscosityModel;
 
@@ -251,6 +252,8 @@ pub struct Settings {
     /// XSPH's epsilon, 0 to 1; zero takes it out of the plan. Particles move with a share of the mean velocity around them, which keeps
     /// streams that meet from passing through each other; velocities stay as they are. See [`xsph`](crate::xsph).
     pub xsph: f32,
+    /// Lets particles settle before the start; none starts as volumes are sampled. Not with bodies, whose places are not known then.
+    pub relaxation: Option<Relaxation>,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
     pub viscosity_model: Option<ViscosityModel>,
     /// Substep over `h / (c + v)`, or, of an incompressible fluid, over `d / v`: 0.01 to 1.
@@ -284,6 +287,7 @@ impl Default for Settings {
             artificial_viscosity: 0.03,
             near_pressure: 0.0,
             xsph: 0.0,
+            relaxation: None,
             viscosity_model: None,
             courant_factor: 0.4,
             force_factor: 0.25,
@@ -344,6 +348,9 @@ impl Settings {
         check_range("artificial_viscosity", self.artificial_viscosity, 0.0, 1.0, "")?;
         check_range("near_pressure", self.near_pressure, 0.0, 0.1, "")?;
         check_range("xsph", self.xsph, 0.0, 1.0, "")?;
+        if let Some(relaxation) = &self.relaxation {
+            relaxation.validate().map_err(|error| error.inside("relaxation"))?;
+        }
         check_range("courant_factor", self.courant_factor, 0.01, 1.0, "")?;
         check_range("force_factor", self.force_factor, 0.01, 1.0, "")?;
         check_range("viscous_factor", self.viscous_factor, 0.01, 1.0, "")?;

@@ -85,6 +85,16 @@ fn friction_is_a_stage_of_plans_with_walls_that_have_it() {
 }
 
 #[test]
+fn particles_do_not_settle_among_bodies() {
+    let mut scene = dam_break();
+    scene.settings.relaxation = Some(Relaxation::default());
+    assert!(Plan::new(&scene).unwrap().relaxation.is_some());
+    scene.bodies.push(cork());
+    let message = Plan::new(&scene).unwrap_err().to_string();
+    assert!(message.contains("settings.relaxation") && message.contains("none, if there are bodies"), "{message}");
+}
+
+#[test]
 fn every_stage_has_a_reason_that_fits_the_scene() {
     let plan = Plan::new(&FluidScene { bodies: vec![cork()], ..dam_break() }).unwrap();
     assert!(plan.stages.iter().all(|stage| stage.reason.len() > 10));

@@ -202,7 +202,7 @@ fn what_could_not_be_read_again_is_not_written() {
 }
 
 /// Each: what is changed into what, then field, value and allowed range as the message must name them.
-const INVALID: [(&str, &str, [&str; 3]); 49] = [
+const INVALID: [(&str, &str, [&str; 3]); 51] = [
     ("Spacing(0.1)", "Spacing(-0.1)", ["resolution", "-0.1", "0.0001 to 100"]),
     ("Spacing(0.1)", "Spacing(0)", ["resolution", "0", "0.0001 to 100"]),
     ("Spacing(0.1)", "Spacing(1e-5)", ["resolution", "0.00001", "0.0001 to 100"]),
@@ -250,6 +250,8 @@ const INVALID: [(&str, &str, [&str; 3]); 49] = [
     ("near_pressure: 0.01", "near_pressure: 0.2", ["settings.near_pressure", "0.2", "0 to 0.1"]),
     ("sliding: 0.625", "sliding: -0.5", ["boundaries[1].friction.sliding", "-0.5", "0 to 10"]),
     ("at_rest: 0.75", "at_rest: 0.5", ["boundaries[1].friction.at_rest", "0.5", "0.625 to 10"]),
+    ("xsph: 0.25", "relaxation: (calm: 2)", ["settings.relaxation.calm", "2", "0.000001 to 1"]),
+    ("xsph: 0.25", "relaxation: (max_substeps: 0)", ["settings.relaxation.max_substeps", "0", "1 to 1000000"]),
     ("xsph: 0.25", "xsph: 1.5", ["settings.xsph", "1.5", "0 to 1"]),
     ("courant_factor: 0.41", "courant_factor: 0", ["settings.courant_factor", "0", "0.01 to 1"]),
     ("force_factor: 0.26", "force_factor: 2", ["settings.force_factor", "2", "0.01 to 1"]),

@@ -11,6 +11,7 @@ use freshet_core::field::{Field, FieldData};
 use freshet_core::kernel::Kernel;
 use freshet_core::plan::{Plan, StageKind};
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
+use freshet_core::relaxation::relax;
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
 use freshet_core::solid::Misplaced;
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
@@ -185,6 +186,7 @@ impl CpuSolver {
         for (pressure, &start) in solver.particles.pressure.iter_mut().zip(&solver.plan.pressures) {
             *pressure = start;
         }
+        relax(&mut solver)?;
         Ok(solver)
     }
 

@@ -121,3 +121,75 @@ fn a_layer_stays_on_a_slope_below_the_angle_of_friction_and_slides_down_a_steepe
         }
     }
 }
+
+/// A spherical vessel of 0.3 m full of water, cut out of a lattice: crowds and gaps all along its wall.
+fn full_sphere(relaxation: Option<Relaxation>) -> FluidScene {
+    let vessel = BoundaryShape::Sphere { radius: 0.3, fluid: FluidSide::Inside };
+    let mut scene = FluidScene {
+        volumes: vec![Volume::ball(0.3, Vec3::ZERO)],
+        boundaries: vec![Boundary::new(vessel, Vec3::ZERO)],
+        ..FluidScene::with_spacing(0.04)
+    };
+    scene.settings.expected_speed = Some(3.0);
+    scene.settings.relaxation = relaxation;
+    scene
+}
+
+/// Of ten ticks of 10 ms, the largest speed, m/s, and the largest mean compression; and what the plan notes of a relaxation.
+fn noise(scene: &FluidScene) -> (f32, f32, Option<String>) {
+    let mut solver = solver(scene, 2);
+    let notes = &solver.plan().notes;
+    let note = notes.iter().find(|note| note.starts_with("relaxation: particles settled in ")).cloned();
+    let (mut fastest, mut densest) = (0.0f32, 0.0f32);
+    for tick in 0..10 {
+        let report = solver.step(&StepInput { tick, duration: 0.01, ..StepInput::default() }).unwrap();
+        (fastest, densest) = (fastest.max(report.max_speed), densest.max(report.mean_compression));
+    }
+    (fastest, densest, note)
+}
+
+/// Pirovano 2011, section 4.1.6.
+#[test]
+fn particles_that_settled_start_without_noise() {
+    let weightless = |relaxation| FluidScene { gravity: Vec3::ZERO, ..full_sphere(relaxation) };
+    // Nothing moves a weightless fluid at rest; it is blown to 9.5 m/s where the lattice meets the wall.
+    let settled = Some(Relaxation { calm: 3e-3, ..Relaxation::default() });
+    let (fastest, densest, note) = noise(&weightless(None));
+    assert!(fastest > 5.0 && densest > 0.03 && note.is_none(), "{fastest} m/s, {densest}");
+    let (fastest, densest, note) = noise(&weightless(settled));
+    assert!(fastest < 0.01 && densest < 1e-3, "{fastest} m/s, {densest}, {note:?}");
+    assert!(note.is_some_and(|note| note.contains(", below 9.00e-3")));
+
+    // Under gravity it rests as deep as it is.
+    let settled = Some(Relaxation { calm: 1e-2, under_gravity: true, ..Relaxation::default() });
+    let (without, ..) = noise(&full_sphere(None));
+    let (with, _, note) = noise(&full_sphere(settled));
+    assert!(without > 5.0 && with < 0.3, "{with} m/s, without {without} m/s, {note:?}");
+
+    // Of solved pressures it is the compression that shows.
+    let solved = |relaxation| {
+        let mut scene = weightless(relaxation);
+        scene.settings.pressure_solver = PressureSolver::DivergenceFree(DivergenceFree::default());
+        noise(&scene)
+    };
+    let ((_, without, _), (_, with, note)) = (solved(None), solved(Some(Relaxation::default())));
+    assert!(without > 0.02 && with < 2e-3 && note.is_some(), "{with}, without {without}, {note:?}");
+}
+
+#[test]
+fn what_settles_starts_at_time_zero_with_the_velocities_of_the_scene() {
+    let mut scene = full_sphere(Some(Relaxation { max_substeps: 40, calm: 1e-6, ..Relaxation::default() }));
+    scene.volumes[0].velocity = Vec3::new(0.5, 0.0, -0.25);
+    let mut solver = solver(&scene, 2);
+    let (plan, start) = (solver.plan().clone(), solver.snapshot().unwrap());
+    assert!(start.is_start() && start.gravity == scene.gravity && start.carry == 0.0);
+    assert_eq!(start.ids, (0..plan.positions.len() as u32).collect::<Vec<_>>());
+    assert_eq!(start.velocities, plan.velocities);
+    let moved = start.positions.iter().zip(&plan.positions).map(|(x, from)| x.distance(*from)).fold(0.0, f32::max);
+    assert!(moved > 0.1 * plan.parameters.spacing, "{moved}");
+    assert_eq!((plan.parameters.artificial_viscosity, plan.parameters.max_substeps), (0.03, 10_000));
+    let note = plan.notes.last().unwrap();
+    assert!(note.contains("settled in 40 substeps") && note.contains("not below"), "{note}");
+    // The same again, and on other threads.
+    assert!(common::solver(&scene, 1).snapshot().unwrap() == start);
+}

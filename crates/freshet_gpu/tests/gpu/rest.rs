@@ -26,3 +26,26 @@ fn no_kernel_makes_a_block_at_rest_explode() {
         assert!(most < 0.3 && last < 2e-3, "{kernel:?}: {most} at most, {last} at the end");
     }
 }
+
+/// As `freshet_cpu`'s test of settled particles, in a vessel of 0.2 m without weight.
+#[test]
+fn particles_that_settled_start_without_noise() {
+    let fastest = |relaxation: Option<Relaxation>| {
+        let vessel = BoundaryShape::Sphere { radius: 0.2, fluid: FluidSide::Inside };
+        let mut scene = FluidScene {
+            gravity: Vec3::ZERO,
+            volumes: vec![Volume { velocity: Vec3::X * 1e-4, ..Volume::ball(0.2, Vec3::ZERO) }],
+            boundaries: vec![Boundary::new(vessel, Vec3::ZERO)],
+            ..FluidScene::with_spacing(0.04)
+        };
+        scene.settings.expected_speed = Some(3.0);
+        scene.settings.relaxation = relaxation;
+        let mut solver = solver(&scene);
+        let start = solver.snapshot().unwrap();
+        assert!(start.is_start() && start.velocities == solver.plan().velocities);
+        assert_eq!(solver.plan().notes.iter().any(|note| note.contains("settled in")), relaxation.is_some());
+        (0..5).map(|number| solver.step(&tick(number, 0.01)).unwrap().max_speed).fold(0.0, f32::max)
+    };
+    let (without, with) = (fastest(None), fastest(Some(Relaxation { calm: 3e-3, ..Relaxation::default() })));
+    assert!(without > 2.0 && with < 0.02, "{with} m/s, without {without} m/s");
+}
