@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::kernel::KernelKind;
-use freshet_core::plan::Plan;
+use freshet_core::plan::{Plan, StageKind};
 use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::SolverError;
 use freshet_shaders::library;
@@ -68,6 +68,16 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     }
     set(kernel_definition(parameters.kernel)?);
     if let PressureSolver::DivergenceFree(_) = parameters.pressure_solver {
+        // Their passes take pressures from densities, and velocities as the acceleration pass leaves them.
+        for (stage, what) in [(StageKind::Friction, "friction of walls"), (StageKind::Xsph, "settings.xsph")] {
+            if plan.has(stage) {
+                return Err(SolverError::Unsupported {
+                    backend: "gpu",
+                    what: format!("{what} with settings.pressure_solver DivergenceFree"),
+                    reason: "it has it for weakly compressible fluids only; use the CPU, or WeaklyCompressible".to_owned(),
+                });
+            }
+        }
         return Err(SolverError::Unsupported {
             backend: "gpu",
             what: "settings.pressure_solver DivergenceFree".to_owned(),
