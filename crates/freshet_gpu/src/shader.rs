@@ -74,7 +74,8 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
                 return Err(SolverError::Unsupported {
                     backend: "gpu",
                     what: format!("{what} with settings.pressure_solver DivergenceFree"),
-                    reason: "it has it for weakly compressible fluids only; use the CPU, or WeaklyCompressible".to_owned(),
+                    reason: "it has it for weakly compressible fluids only; use the CPU, or WeaklyCompressible"
+                        .to_owned(),
                 });
             }
         }
