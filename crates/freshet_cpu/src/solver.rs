@@ -11,6 +11,7 @@ use freshet_core::field::{Field, FieldData};
 use freshet_core::kernel::Kernel;
 use freshet_core::plan::{Plan, StageKind};
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
+use freshet_core::relaxation::relax;
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
 use freshet_core::solid::Misplaced;
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
@@ -68,6 +69,8 @@ pub struct CpuSolver {
     /// Of plans whose pressures follow from densities.
     pressure_term: Vec<f32>,
     acceleration: [Vec<f32>; 3],
+    /// Of plans with XSPH.
+    drift: [Vec<f32>; 3],
     /// Of plans whose pressures are solved for.
     solve: PressureSolve,
     /// Length of the last substep, s; zero if there was none.
@@ -157,6 +160,7 @@ impl CpuSolver {
             density: Vec::new(),
             pressure_term: Vec::new(),
             acceleration: Default::default(),
+            drift: Default::default(),
             solve: PressureSolve::default(),
             last_substep: 0.0,
             walls: SortedSamples::default(),
@@ -182,6 +186,7 @@ impl CpuSolver {
         for (pressure, &start) in solver.particles.pressure.iter_mut().zip(&solver.plan.pressures) {
             *pressure = start;
         }
+        relax(&mut solver)?;
         Ok(solver)
     }
 
@@ -212,12 +217,14 @@ impl CpuSolver {
         if !boundary.positions.is_empty() {
             self.walls.sort(&self.plan.grid, &boundary.positions, &boundary.volumes);
             self.walls.set_viscous(&boundary.viscous);
+            self.walls.set_frictions(&boundary.frictions);
             if self.plan.parameters.dynamic_viscosity > 0.0 {
                 self.walls.set_velocities(&boundary.velocities);
             }
         }
         self.body_samples = BodySamples::default();
         self.candidates = Vec::new();
+        self.drift = Default::default();
         self.solve = PressureSolve::default();
         let solves = self.plan.has(StageKind::DivergenceSolve);
         if solves != self.particles.keeps_pressures() {
@@ -256,6 +263,9 @@ impl CpuSolver {
         ];
         if self.solve.bytes() > 0 {
             self.schedule.buffers.push(schedule::buffer("pressure_solve", self.solve.bytes(), true));
+        }
+        if self.plan.has(StageKind::Xsph) {
+            self.schedule.buffers.push(schedule::buffer("drift", real(&self.drift), true));
         }
         if !self.walls.is_empty() {
             self.schedule.buffers.push(schedule::buffer("walls", self.walls.bytes(), false));
@@ -396,10 +406,13 @@ impl CpuSolver {
             let solved = tally.timed("divergence_solve", || self.divergence_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
             tally.divergence_iterations += iterations;
+            self.final_velocities(dt, tally);
             let solved = tally.timed("density_solve", || self.density_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
             tally.density_iterations += iterations;
             self.last_substep = dt;
+        } else {
+            self.final_velocities(dt, tally);
         }
         tally.timed("body_motion", || {
             for (body, &(force, torque)) in self.bodies.iter_mut().zip(&self.loads) {
@@ -414,6 +427,16 @@ impl CpuSolver {
         tally.max_compression = tally.max_compression.max(compression.largest);
         tally.max_speed = maxima.speed_squared.sqrt();
         dt
+    }
+
+    /// Stages `friction` and `xsph`, if the plan has them.
+    fn final_velocities(&mut self, dt: f32, tally: &mut Tally) {
+        if self.plan.has(StageKind::Friction) {
+            tally.timed("friction", || self.friction_stage(dt));
+        }
+        if self.plan.has(StageKind::Xsph) {
+            tally.timed("xsph", || self.xsph_stage(dt));
+        }
     }
 }
 

@@ -282,29 +282,53 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let begin = vec![with_words(7, begin), control("density_control")];
             begin.into_iter().chain(iteration()).collect()
         }
+        StageKind::Friction => vec![pass(
+            "friction",
+            passes::FRICTION,
+            Arguments::Motion,
+            &[
+                (B::SortedPositions, Read),
+                (B::SortedVelocities, Read),
+                (B::CellStarts, Read),
+                (B::Samples, Read),
+                (B::WallFrictions, Read),
+                (B::Control, Read),
+                (B::Accelerations, Write),
+            ],
+        )],
+        StageKind::Xsph => vec![pass(
+            "xsph",
+            passes::XSPH,
+            Arguments::Motion,
+            &[
+                (B::SortedPositions, Read),
+                (B::SortedVelocities, Read),
+                (B::CellStarts, Read),
+                (B::Hits, Read),
+                (B::Accelerations, Read),
+                (B::Control, Read),
+                (B::Drifts, Write),
+            ],
+        )],
         StageKind::BodyMotion => vec![pass(
             "body_motion",
             passes::BODY_MOTION,
             Arguments::BodyMotion,
             &[(B::Bodies, Write), (B::Control, Write)],
         )],
-        StageKind::Integrate => vec![pass(
-            "integrate",
-            passes::INTEGRATE,
-            Arguments::Motion,
-            &with(
-                solves,
-                vec![
-                    (B::SortedPositions, Read),
-                    (B::SortedVelocities, Read),
-                    (B::SortedLives, Read),
-                    (B::Accelerations, Read),
-                    (B::Control, Read),
-                    (B::Particles, Write),
-                ],
-                &[(B::Motions, Read)],
-            ),
-        )],
+        StageKind::Integrate => {
+            let moved = [
+                (B::SortedPositions, Read),
+                (B::SortedVelocities, Read),
+                (B::SortedLives, Read),
+                (B::Accelerations, Read),
+                (B::Control, Read),
+                (B::Particles, Write),
+            ];
+            let uses = with(plan.has(StageKind::Xsph), moved.to_vec(), &[(B::Drifts, Read)]);
+            let uses = with(solves, uses, &[(B::Motions, Read)]);
+            vec![pass("integrate", passes::INTEGRATE, Arguments::Motion, &uses)]
+        }
     }
 }
 

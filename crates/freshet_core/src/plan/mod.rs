@@ -38,6 +38,7 @@ use crate::grid::Grid;
 use crate::pressure_solver::{
     DivergenceFree, PressureSolver, largest_eigenvalue, lattice_diagonal, pressure_frequency,
 };
+use crate::relaxation::Relaxation;
 use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{FluidScene, MAX_SPACING, MIN_SPACING};
 
@@ -76,6 +77,8 @@ pub struct Plan {
     pub max_particles: u32,
     /// Wall time a tick may take, ms.
     pub budget_milliseconds: Option<f32>,
+    /// How particles settle before the start.
+    pub relaxation: Option<Relaxation>,
     /// Whether particles can have a lifetime.
     pub lifetimes: bool,
     /// What the user should know: choices made for them, warnings.
@@ -205,6 +208,7 @@ impl Plan {
             expected_speed,
             artificial_viscosity: settings.artificial_viscosity,
             near_pressure: settings.near_pressure * sound_speed * sound_speed,
+            xsph: settings.xsph,
             dynamic_viscosity: scene.physical_viscosity().map_or(0.0, |_| scene.material.dynamic_viscosity),
             viscous_calibration: kernel.lattice_viscous_sum(spacing) as f32,
             courant_factor: settings.courant_factor,
@@ -234,6 +238,7 @@ impl Plan {
             bodies,
             max_particles,
             budget_milliseconds: settings.budget_milliseconds,
+            relaxation: settings.relaxation,
             lifetimes,
             notes,
         })
