@@ -6,7 +6,6 @@ use super::SceneError;
 use crate::error::InvalidInput;
 use crate::grid::Grid;
 use crate::periodic::{AXES, Periodic};
-use crate::pressure_solver::PressureSolver;
 use crate::scene::{FluidScene, MAX_PARTICLES};
 
 /// Refuses particles so far from the origin that `f32` cannot tell a sixty-fourth of their spacing.
@@ -17,15 +16,6 @@ pub(super) fn check_precision(corner: Vec3, spacing: f32) -> Result<(), InvalidI
         let allowed =
             format!("at least {least} m where positions are up to {reach} m from the origin, as f32 rounds them");
         return Err(InvalidInput::new("resolution", format_args!("spacing {spacing} m"), allowed));
-    }
-    Ok(())
-}
-
-/// Refuses bodies in an incompressible fluid: its pressures would have to be solved for together with their motion.
-pub(super) fn check_solver(scene: &FluidScene) -> Result<(), InvalidInput> {
-    if matches!(scene.settings.pressure_solver, PressureSolver::DivergenceFree(_)) && !scene.bodies.is_empty() {
-        let value = format!("DivergenceFree in a scene with {} bodies", scene.bodies.len());
-        return Err(InvalidInput::new("settings.pressure_solver", value, "WeaklyCompressible, if there are bodies"));
     }
     Ok(())
 }

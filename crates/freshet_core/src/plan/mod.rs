@@ -21,9 +21,7 @@ pub use self::parameters::Parameters;
 pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_volume};
 pub use self::stages::{Stage, StageKind};
 
-use self::checks::{
-    check_bounds, check_driven, check_particles_within, check_periods, check_precision, check_solver, max_particles,
-};
+use self::checks::{check_bounds, check_driven, check_particles_within, check_periods, check_precision, max_particles};
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
 use self::resolution::{kernel_of, spacing_of};
@@ -102,7 +100,6 @@ impl Plan {
         let periodic = scene.periodic;
         check_periods(&periodic, support_radius)?;
         check_driven(scene)?;
-        check_solver(scene)?;
 
         for (index, emitter) in scene.emitters.iter().enumerate() {
             emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;
