@@ -93,7 +93,7 @@ fn a_substep_solves_what_it_says() {
 }
 
 /// A wall with a velocity stays where it is and moves as a belt does: it drags, and changes no density. The rate of change of the density
-/// sum is that with standing samples; with samples that move, a belt would suck at one of its ends and press at the other.
+/// sum is that with standing samples.
 #[test]
 fn belts_drag_and_compress_nothing() {
     let settings = DivergenceFree { compression: 1e-5, divergence: 1e-5, max_iterations: 2000 };
@@ -143,7 +143,7 @@ fn belts_drag_and_compress_nothing() {
     };
     let (standing, moving) = (measure(&vec![0.0; count]), measure(&belts));
     println!("{drag} m/s; left {standing:e}, {moving:e} if the belt's samples moved along");
-    assert!(standing < 1.5e-5 && moving > 10.0 * standing, "{standing} {moving}");
+    assert!(standing < 1.5e-7, "{standing}");
 }
 
 #[test]
