@@ -1,5 +1,6 @@
 //! The solver: owns the state and runs the plan's stages.
 
+mod answers;
 mod solves;
 mod stages;
 
@@ -18,6 +19,7 @@ use freshet_core::solver::{FluidSolver, Schedule, SolverError};
 use freshet_core::step::{PassTime, StepInput, StepReport};
 use glam::Vec3;
 
+use self::answers::Load;
 use self::solves::{PressureSolve, Solved};
 use crate::candidates::Candidates;
 use crate::lanes::PADDING;
@@ -83,8 +85,8 @@ pub struct CpuSolver {
     /// On each of these samples, N: in the order of slots, and in the bodies' own.
     sorted_forces: Vec<Vec3>,
     forces: Vec<Vec3>,
-    /// Force (N) and torque (N m) on each body.
-    loads: Vec<(Vec3, Vec3)>,
+    /// On each body.
+    loads: Vec<Load>,
     exchanges: Vec<[Exchange; 4]>,
     poses: Vec<Option<BodyPose>>,
     gravity: Vec3,
@@ -276,8 +278,8 @@ impl CpuSolver {
                 + size_of::<Option<BodyPose>>() * self.poses.capacity()
                 + size_of::<Range<usize>>() * self.slots.capacity()
                 + size_of::<Vec3>() * (self.sorted_forces.capacity() + self.forces.capacity())
-                + size_of::<(Vec3, Vec3)>() * self.loads.capacity();
-            let bytes = self.body_samples.bytes() + states as u64;
+                + size_of::<Load>() * self.loads.capacity();
+            let bytes = self.body_samples.bytes() + self.solve.bodies.bytes() + states as u64;
             self.schedule.buffers.push(schedule::buffer("bodies", bytes, false));
         }
         self.schedule.capacity = self.particles.len as u32;
@@ -394,7 +396,10 @@ impl CpuSolver {
         let maxima = tally.timed("acceleration", || self.acceleration_stage());
         self.loads.clear();
         if self.plan.has(StageKind::BodyLoad) {
-            tally.timed("body_load", || self.body_load_stage());
+            tally.timed("body_load", || match self.plan.parameters.pressure_solver {
+                PressureSolver::WeaklyCompressible => self.body_load_stage(),
+                PressureSolver::DivergenceFree(_) => self.body_touch_stage(),
+            });
         }
         let dt = tally.timed("step_control", || {
             step_control::substep(&self.plan.parameters, &maxima, &self.bodies, self.gravity, remaining)
@@ -402,7 +407,9 @@ impl CpuSolver {
         if let PressureSolver::DivergenceFree(solver) = self.plan.parameters.pressure_solver
             && dt >= DivergenceFree::SHORTEST
         {
-            let way = (maxima.speed_squared.sqrt() * dt / self.plan.parameters.longest_way()).min(1.0);
+            self.solve.bodies.begin(&self.bodies, &self.loads, dt);
+            let speed = maxima.speed_squared.sqrt().max(self.solve.bodies.speed(&self.bodies));
+            let way = (speed * dt / self.plan.parameters.longest_way()).min(1.0);
             let solved = tally.timed("divergence_solve", || self.divergence_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
             tally.divergence_iterations += iterations;
@@ -415,8 +422,8 @@ impl CpuSolver {
             self.final_velocities(dt, tally);
         }
         tally.timed("body_motion", || {
-            for (body, &(force, torque)) in self.bodies.iter_mut().zip(&self.loads) {
-                body.advance(force, torque, dt);
+            for (body, load) in self.bodies.iter_mut().zip(&self.loads) {
+                body.advance(load.force, load.torque, dt);
             }
         });
         tally.timed("integrate", || self.integrate_stage(dt));

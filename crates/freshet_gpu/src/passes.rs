@@ -113,9 +113,9 @@ pub(crate) fn needs_velocities(plan: &Plan) -> bool {
     plan.parameters.artificial_viscosity > 0.0 || plan.parameters.dynamic_viscosity > 0.0
 }
 
-/// Whether it matters to the fluid that walls move: where it sticks to them, and where it must not be compressed by them.
+/// Whether fluid sticks to walls some of which move.
 pub(crate) fn moving_walls(plan: &Plan) -> bool {
-    !plan.boundary.velocities.is_empty() && (incompressible(plan) || WallDrag::of(plan) == WallDrag::Morris)
+    !plan.boundary.velocities.is_empty() && WallDrag::of(plan) == WallDrag::Morris
 }
 
 /// The passes of one substep, in order.

@@ -136,8 +136,8 @@ pub enum FluidPressureSolver {
     /// From the density, by an equation of state, in many cheap substeps.
     #[default]
     WeaklyCompressible,
-    /// Such that the fluid is not compressed, in few substeps of some iterations: several times as fast, and calmer, but not with
-    /// bodies yet.
+    /// Such that the fluid is not compressed, in few substeps of some iterations: several times as fast, and calmer; with bodies on the CPU
+    /// backend only.
     DivergenceFree {
         /// Mean compression with which positions are left as they are, 1e-6 to 0.1.
         compression: f32,

@@ -22,7 +22,7 @@ pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_v
 pub use self::stages::{Stage, StageKind};
 
 use self::checks::{
-    check_bounds, check_driven, check_particles_within, check_periods, check_precision, check_solver, max_particles,
+    check_bounds, check_driven, check_particles_within, check_periods, check_precision, check_relaxation, max_particles,
 };
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
@@ -105,7 +105,7 @@ impl Plan {
         let periodic = scene.periodic;
         check_periods(&periodic, support_radius)?;
         check_driven(scene)?;
-        check_solver(scene)?;
+        check_relaxation(scene)?;
 
         for (index, emitter) in scene.emitters.iter().enumerate() {
             emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;

@@ -108,8 +108,9 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     );
     if let Some(solver) = incompressible {
         let most = solver.max_iterations;
+        let answer = if bodies.is_empty() { "" } else { ", in which bodies answer" };
         let divergence = format!(
-            "velocities compress nothing, to {} a substep on average; at most {most} iterations",
+            "velocities compress nothing, to {} a substep on average; at most {most} iterations{answer}",
             solver.divergence
         );
         add(StageKind::DivergenceSolve, &divergence);

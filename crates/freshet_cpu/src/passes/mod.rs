@@ -5,6 +5,7 @@ pub mod acceleration;
 pub mod body_load;
 pub mod body_motion;
 pub mod body_sort;
+pub mod body_touch;
 pub mod commands;
 pub mod density;
 pub mod friction;

@@ -6,13 +6,14 @@ use freshet_core::pressure_solver::PressureSolver;
 use glam::Vec3;
 
 use super::CpuSolver;
+use super::answers::Load;
 use crate::candidates::Candidates;
 use crate::lanes::PADDING;
 use crate::passes::acceleration::Maxima;
 use crate::passes::density::{Compression, Second};
 use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
-use crate::passes::{acceleration, body_load, density, friction, integrate, xsph};
+use crate::passes::{acceleration, body_load, body_touch, density, friction, integrate, xsph};
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
 use crate::tasks::Tasks;
@@ -175,7 +176,7 @@ impl CpuSolver {
                 force += on_sample.as_dvec3();
                 torque += (*at - body.position).cross(*on_sample).as_dvec3();
             }
-            self.loads.push((force.as_vec3(), torque.as_vec3()));
+            self.loads.push(Load { force: force.as_vec3(), torque: torque.as_vec3() });
         }
     }
 
@@ -225,6 +226,38 @@ impl CpuSolver {
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, drift)| {
             dispatch(parameters.kernel, xsph::Task { inputs, chunk, workspace, candidates, drift })
         })
+    }
+
+    /// The same of an incompressible fluid, by the pressures of the last substep: from who touches whom, which its solve needs too.
+    pub(super) fn body_touch_stage(&mut self) {
+        let parameters = &self.plan.parameters;
+        self.body_samples.find_arms(&self.plan.bodies, &self.bodies);
+        let answers = &mut self.solve.bodies;
+        let lists = answers.found.len().max(self.sorter.chunks.len());
+        answers.found.resize_with(lists, Vec::new);
+        let (arch, grid, number_density) =
+            (self.arch, &self.plan.grid, parameters.rest_density / parameters.particle_mass);
+        let (starts, particles, samples) = (&self.sorter.starts, &self.particles, &self.body_samples);
+        let walls = !self.walls.is_empty();
+        let tasks = Tasks::new(&self.sorter.chunks, (&mut *self.candidates, &mut *answers.found), ());
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (candidates, touches), ())| {
+            let task = body_touch::Task {
+                arch,
+                grid,
+                starts,
+                particles,
+                samples,
+                walls,
+                number_density,
+                chunk,
+                workspace,
+                candidates,
+                touches,
+            };
+            dispatch(parameters.kernel, task);
+        });
+        answers.take_found(self.sorter.chunks.len(), parameters);
+        self.loads.extend(answers.load_by(&self.particles.pressure, self.bodies.len()));
     }
 
     /// Moves all particles over `dt` seconds.
