@@ -74,7 +74,9 @@ pub fn run(args: &ValidateArgs) -> Result<Verdict, LabError> {
             let begin = Instant::now();
             match (case.run)(&job) {
                 Ok(found) => {
-                    say(format_args!("{} on the {backend}: {:.0} s", case.name, begin.elapsed().as_secs_f64()));
+                    let (seconds, bounds) = (begin.elapsed().as_secs_f64(), found.verdict.checks.len());
+                    let kept = bounds - found.verdict.missed().count();
+                    say(format_args!("{} on the {backend}: {kept} of {bounds} bounds kept, {seconds:.0} s", case.name));
                     let remarks = found.levels.iter().flat_map(|level| &level.remarks);
                     remarks.for_each(|remark| say(format_args!("  {remark}")));
                     levels.extend(found.levels.into_iter().map(|level| (case.name, backend, level)));
