@@ -138,6 +138,9 @@ impl Study {
                 level.error * 100.0,
                 level.account.wall.as_secs_f64()
             ));
+            comments.extend(level.checks.iter().map(|Check { name, value, bound, unit }| {
+                format!("{} particles: {name} {value:.4} {unit} (bound {bound})", level.resolution)
+            }));
             comments.extend(level.remarks.iter().map(|remark| format!("{} particles: {remark}", level.resolution)));
         }
         let comments = comments.iter().map(String::as_str);
