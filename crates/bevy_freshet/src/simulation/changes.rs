@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use super::backend::Hardware;
 use super::pours::Poured;
 use super::state::{BodySamples, DefaultGravity, DomainState};
+use super::walls::WallShapes;
 use crate::components::boundary::FluidBoundary;
 use crate::components::container::FluidContainer;
 use crate::components::domain::FluidDomain;
@@ -88,6 +89,7 @@ pub(crate) fn is_anything_touched(
     states: Query<&DomainState>,
     gravity: Res<DefaultGravity>,
     hardware: Hardware,
+    shapes: Res<WallShapes>,
     mut before: Local<Vec<Stamp>>,
     mut now: Local<Vec<Stamp>>,
 ) -> bool {
@@ -97,6 +99,7 @@ pub(crate) fn is_anything_touched(
     *before != *now
         || gravity.is_changed()
         || hardware.is_changed()
+        || shapes.has_news()
         || states.iter().any(|state| state.has_unsaid_problems)
 }
 
