@@ -127,3 +127,120 @@ impl std::fmt::Debug for VertexFormatName<'_> {
         write!(f, "{:?}", bevy::mesh::VertexFormat::from(self.0))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KEPT: RenderAssetUsages = RenderAssetUsages::MAIN_WORLD;
+
+    /// A square of two triangles, facing +z.
+    fn square(topology: PrimitiveTopology, order: &[usize]) -> Mesh {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0f32]];
+        let corners: Vec<[f32; 3]> = order.iter().map(|&corner| corners[corner]).collect();
+        Mesh::new(topology, KEPT).with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners)
+    }
+
+    /// Corners of the triangles of a mesh.
+    fn corners(mesh: &Mesh) -> Vec<[Vec3; 3]> {
+        let (vertices, triangles) = triangles(mesh).unwrap();
+        triangles.iter().map(|triangle| triangle.map(|index| vertices[index as usize])).collect()
+    }
+
+    fn made(mesh: impl Into<Mesh>, stretch: Mat3) -> TriangleMesh {
+        let (vertices, triangles) = triangles(&mesh.into()).unwrap();
+        stretched(vertices, triangles, stretch).unwrap()
+    }
+
+    #[test]
+    fn lists_and_strips_are_the_same_triangles() {
+        use PrimitiveTopology::{TriangleList, TriangleStrip};
+        let each = [0, 1, 2, 2, 1, 3];
+        let wanted = corners(&square(TriangleList, &each));
+        assert_eq!(wanted.len(), 2);
+        let all = [0, 1, 2, 3];
+        let is_same = |mesh: Mesh| {
+            let found = corners(&mesh);
+            // A triangle may begin with any of its corners.
+            let same =
+                |a: [Vec3; 3], b: [Vec3; 3]| (0..3).any(|turn| [a[turn], a[(turn + 1) % 3], a[(turn + 2) % 3]] == b);
+            assert!(found.len() == 2 && found.iter().zip(&wanted).all(|(a, b)| same(*a, *b)), "{found:?}");
+        };
+        let small = each.iter().map(|&corner| corner as u16).collect();
+        is_same(square(TriangleList, &all).with_inserted_indices(Indices::U16(small)));
+        let large = each.iter().map(|&corner| corner as u32).collect();
+        is_same(square(TriangleList, &all).with_inserted_indices(Indices::U32(large)));
+        is_same(square(TriangleStrip, &all));
+        is_same(square(TriangleStrip, &all).with_inserted_indices(Indices::U32(vec![0, 1, 2, 3])));
+        let restarted = vec![0, 1, 2, u16::MAX, 2, 1, 3];
+        is_same(square(TriangleStrip, &all).with_inserted_indices(Indices::U16(restarted)));
+        let restarted = vec![0, 1, 2, u32::MAX, 2, 1, 3];
+        is_same(square(TriangleStrip, &all).with_inserted_indices(Indices::U32(restarted)));
+    }
+
+    #[test]
+    fn meshes_that_look_closed_are_closed() {
+        let ball = Sphere::new(0.7);
+        for (name, mesh) in [
+            ("box", Mesh::from(Cuboid::new(1.0, 2.0, 3.0))),
+            ("ball", ball.mesh().ico(5).unwrap()),
+            ("ball of meridians", ball.mesh().uv(31, 17)),
+            ("cylinder", Cylinder::new(0.3, 1.0).into()),
+            ("capsule", Capsule3d::new(0.3, 1.0).into()),
+            ("cone", Cone::new(0.3, 1.0).into()),
+            ("ring", Torus::new(0.2, 0.9).into()),
+        ] {
+            for offset in [Vec3::ZERO, Vec3::splat(20.0)] {
+                assert!(made(mesh.clone().translated_by(offset), Mat3::IDENTITY).is_closed(), "{name} at {offset}");
+            }
+        }
+        assert!(!made(Plane3d::new(Vec3::Y, Vec2::ONE), Mat3::IDENTITY).is_closed());
+    }
+
+    #[test]
+    fn scales_go_into_the_vertices() {
+        let scale = Vec3::new(0.1, 3.0, 0.5);
+        let scaled = made(Cuboid::new(1.0, 1.0, 1.0), Mat3::from_diagonal(scale));
+        let mut corners = scaled.vertices().to_vec();
+        corners.iter_mut().for_each(|corner| *corner = (*corner / (0.5 * scale)).abs());
+        assert!(corners.iter().all(|corner| corner.distance(Vec3::ONE) < 1e-6), "{corners:?}");
+        // Mirrored, it still faces outwards.
+        for stretch in [Mat3::from_diagonal(scale), Mat3::from_diagonal(-scale)] {
+            let winding = made(Cuboid::new(1.0, 1.0, 1.0), stretch).winding_number(Vec3::ZERO);
+            assert!((winding - 1.0).abs() < 0.03, "{winding}");
+        }
+    }
+
+    #[test]
+    fn meshes_without_triangles_are_refused_with_the_reason() {
+        let refused = |mesh: Mesh| {
+            let made =
+                triangles(&mesh).and_then(|(vertices, triangles)| stretched(vertices, triangles, Mat3::IDENTITY));
+            made.unwrap_err().to_string()
+        };
+        let list = || square(PrimitiveTopology::TriangleList, &[0, 1, 2, 2, 1, 3]);
+        for topology in [PrimitiveTopology::PointList, PrimitiveTopology::LineList, PrimitiveTopology::LineStrip] {
+            let said = refused(square(topology, &[0, 1, 2]));
+            let wanted =
+                format!("primitive_topology: {topology:?} is not allowed; allowed: TriangleList or TriangleStrip");
+            assert_eq!(said, wanted);
+        }
+        assert!(refused(square(PrimitiveTopology::TriangleList, &[0, 1, 2, 3])).starts_with("corners: 4 of them"));
+        assert!(refused(square(PrimitiveTopology::TriangleStrip, &[0, 1])).starts_with("triangles: 0 of them"));
+        assert!(refused(list().with_inserted_indices(Indices::U32(vec![0, 1, 6]))).starts_with("triangles[0]: 6"));
+        let empty = Mesh::new(PrimitiveTopology::TriangleList, KEPT);
+        assert!(refused(empty.clone()).starts_with("ATTRIBUTE_POSITION: none"));
+        let flat = empty.with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, vec![[0.0f32, 0.0]; 3]);
+        assert!(refused(flat).starts_with("ATTRIBUTE_POSITION: none"));
+        let nowhere = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [f32::NAN, 0.0, 0.0f32]];
+        let nowhere =
+            Mesh::new(PrimitiveTopology::TriangleList, KEPT).with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, nowhere);
+        assert!(refused(nowhere).starts_with("vertices[2]"));
+        let mut elsewhere = list();
+        elsewhere.asset_usage = RenderAssetUsages::RENDER_WORLD;
+        assert!(refused(elsewhere).contains("MAIN_WORLD"));
+        let mut gone = list();
+        gone.take_gpu_data().unwrap();
+        assert!(refused(gone).starts_with("data: "));
+    }
+}
