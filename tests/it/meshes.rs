@@ -137,7 +137,7 @@ fn a_scaled_mesh_of_a_box_is_the_box() {
                     test.spawn((FluidBoundary::cuboid(size.x, size.y, size.z), at, member));
                 }
                 kind => {
-                    let mesh = add(&mut test, Cuboid::new(2.0, 0.25, 0.5).into());
+                    let mesh = add(&mut test, Mesh::from(Cuboid::new(2.0, 0.25, 0.5)));
                     let boundary =
                         if kind == "hull" { FluidBoundary::convex_hull(mesh) } else { FluidBoundary::mesh(mesh) };
                     // A part of the scale is the parent's, and one axis is mirrored.
@@ -272,7 +272,7 @@ fn meshes_of_no_use_are_refused_with_the_reason() {
         FluidBoundary::convex_hull(server.add_async(failing))
     };
     refuses(broken, &["shape.mesh", "allowed: an asset that loads", "the generator gave up"]);
-    let flat = |test: &mut TestApp| FluidBoundary::convex_hull(add(test, Plane3d::new(Vec3::Y, Vec2::ONE).into()));
+    let flat = |test: &mut TestApp| FluidBoundary::convex_hull(add(test, Mesh::from(Plane3d::new(Vec3::Y, Vec2::ONE))));
     refuses(flat, &["shape.mesh.points", "plane"]);
     let uneven = |_: &mut TestApp| FluidBoundary::height_field(Vec2::ONE, UVec2::new(3, 2), vec![0.0; 5]);
     refuses(uneven, &["shape.heights: 5 of them", "allowed: 6"]);
@@ -305,7 +305,7 @@ fn a_mesh_that_is_modified_is_a_new_wall() {
     for choice in ALL {
         let mut test = TestApp::new();
         let tank = Tank::spawn(&mut test, choice);
-        let mesh = add(&mut test, Cuboid::new(0.1, 1.0, 0.5).into());
+        let mesh = add(&mut test, Mesh::from(Cuboid::new(0.1, 1.0, 0.5)));
         let at = Transform::from_xyz(0.6, 0.5, 0.25);
         test.spawn((FluidBoundary::mesh(mesh.clone()), at, FluidInDomain(tank.domain)));
         test.tick(31);

@@ -12,7 +12,7 @@ use super::boundary_mesh::FluidMesh;
 /// zero, also by its parents: it is the mesh that is drawn. It may change, move (which samples it anew, so not
 /// every tick) and be despawned. It is no collider: give it one beside it.
 ///
-/// A mesh or image may load later. Until it has, the domain waits: nothing of it moves, nothing is lost, and
+/// A mesh or image may load later. Until it has, the domain waits: its fluid stands still, bodies do not feel it, nothing is lost, and
 /// [`FluidStats::waiting_for`](super::stats::FluidStats::waiting_for) names the boundary. One that fails to load, or is of no use,
 /// is a [`FluidProblem`](super::problem::FluidProblem), and the fluid goes on without the boundary. One that is modified is sampled
 /// anew; one that is removed leaves the boundary as it is.

@@ -271,24 +271,28 @@ pub(crate) struct News<'w, 's, A: Asset> {
 }
 
 impl<A: Asset> News<'_, '_, A> {
-    /// Assets that have come, changed or failed. What has gone leaves walls as they are.
-    fn ids(&mut self) -> impl Iterator<Item = AssetId<A>> {
-        let events = self.events.iter().flat_map(|events| self.heard.read(events)).filter_map(|event| match *event {
-            AssetEvent::Added { id } | AssetEvent::Modified { id } => Some(id),
-            _ => None,
-        });
-        let failures = self.failures.iter().flat_map(|failures| self.heard_failures.read(failures));
-        events.chain(failures.map(|failure| failure.id))
+    /// Tells of assets that have come, changed or failed. What has gone leaves walls as they are.
+    fn tell(&mut self, mut tell: impl FnMut(AssetId<A>)) {
+        if let Some(events) = &self.events {
+            for event in self.heard.read(events) {
+                if let AssetEvent::Added { id } | AssetEvent::Modified { id } = event {
+                    tell(*id);
+                }
+            }
+        }
+        if let Some(failures) = &self.failures {
+            for failure in self.heard_failures.read(failures) {
+                tell(failure.id);
+            }
+        }
     }
 }
 
 /// Notices what concerns walls; planning follows in the same tick.
 pub(crate) fn notice_assets(mut meshes: News<Mesh>, mut images: News<Image>, mut shapes: ResMut<WallShapes>) {
-    for id in meshes.ids() {
+    meshes.tell(|id| {
         shapes.notice(Source::Mesh(id));
         shapes.notice(Source::Hull(id));
-    }
-    for id in images.ids() {
-        shapes.notice(Source::Image(id));
-    }
+    });
+    images.tell(|id| shapes.notice(Source::Image(id)));
 }
