@@ -13,7 +13,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use freshet_core::error::InvalidInput;
-use freshet_core::geometry::{HeightField, TriangleMesh};
+use freshet_core::geometry::HeightField;
 use freshet_core::scene::BoundaryShape;
 
 use crate::components::boundary::{FluidBoundary, FluidBoundaryShape};
