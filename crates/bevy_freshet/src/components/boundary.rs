@@ -113,7 +113,8 @@ pub enum FluidBoundaryShape {
         /// The vertices, not all in a plane; its triangles do not count. The hull has up to 4096.
         mesh: FluidMesh,
     },
-    /// Ground over a rectangle around the centre, with the fluid above it (local +y), bilinear between heights on a grid.
+    /// Ground over a rectangle around the centre, with the fluid above it (local +y), bilinear between heights on a grid. It has no
+    /// sides: what gets beyond its edges falls.
     HeightField {
         /// Edge lengths along the local x and z axes, m, 1e-5 to 1e6.
         size: Vec2,
