@@ -7,6 +7,7 @@ use bevy::mesh::PrimitiveTopology;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_freshet::prelude::*;
+use bevy_rapier3d::prelude::*;
 use freshet_core::geometry::{HeightField, TriangleMesh};
 use freshet_core::scene::{Boundary, BoundaryShape, FluidScene, FluidSide, Volume};
 
@@ -228,6 +229,35 @@ fn a_domain_waits_for_a_mesh_that_loads_later() {
         let end = test.stats(tank.domain);
         assert!(end.ticks > stats.ticks + 25 && end.waiting_for.is_empty(), "{choice:?} {kind}: {end:?}");
         assert_eq!((end.particles, end.removed), (WATER, 0), "{choice:?} {kind}");
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn bodies_go_on_while_their_fluid_waits_and_float_again_afterwards() {
+    for choice in [ALL[0], ALL[1]] {
+        let mut test = TestApp::new();
+        let tank = Tank::spawn(&mut test, choice);
+        let member = FluidInDomain(tank.domain);
+        let ball = (RigidBody::Dynamic, Collider::ball(0.1), ColliderMassProperties::Density(100.0));
+        let at = Transform::from_xyz(0.25, 0.65, 0.25);
+        let ball = test.spawn((ball, FluidBody::default(), Velocity::default(), at, member));
+        let height = |test: &mut TestApp| test.world().get::<Transform>(ball).expect("a ball").translation.y;
+        test.tick(6);
+        let mesh = test.world().resource_mut::<Assets<Mesh>>().reserve_handle();
+        test.spawn((FluidBoundary::mesh(mesh.clone()), Transform::from_xyz(0.9, 0.5, 0.25), member));
+        test.tick(6);
+        let before = height(&mut test);
+        test.tick(2);
+        let after = height(&mut test);
+        assert!(after < before, "{choice:?}: it falls on, {before} {after}");
+        let wall = Mesh::from(Cuboid::new(0.1, 1.0, 0.5));
+        test.world().resource_mut::<Assets<Mesh>>().insert(&mesh, wall).expect("a reserved handle");
+        test.tick(80);
+        assert_eq!(test.settle(tank.domain).particles, WATER, "{choice:?}");
+        // The water is about 0.2 m high by now; the ball would lie at 0.1 m without it.
+        let end = height(&mut test);
+        assert!(end > 0.15, "{choice:?}: it floats at {end}");
         test.expect_no_complaints();
     }
 }

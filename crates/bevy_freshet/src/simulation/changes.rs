@@ -240,12 +240,33 @@ mod tests {
         assert_eq!(scene.conversions(), begin + 4);
         still(&mut scene);
 
+        // One that is not there yet: the domain is not planned while it waits, and is when it comes.
+        let domain = scene.domain;
+        let stats = |scene: &Scene| scene.app.world().get::<FluidStats>(domain).unwrap().clone();
+        let late = scene.app.world_mut().resource_mut::<Assets<Mesh>>().reserve_handle();
+        scene.is_planned_after("a wall that is not there yet", |world, [_, _, wall, _]| {
+            world.entity_mut(*wall).insert(FluidBoundary::mesh(late.clone()));
+        });
+        let waiting = stats(&scene);
+        assert_eq!(waiting.waiting_for, [wall]);
+        still(&mut scene);
+        assert_eq!((stats(&scene).ticks, scene.conversions()), (waiting.ticks, begin + 4));
+        scene.app.world_mut().resource_mut::<Assets<Mesh>>().insert(&late, block()).unwrap();
+        assert!(scene.plannings(2) > 0, "a mesh that comes goes unnoticed");
+        still(&mut scene);
+        assert!(stats(&scene).waiting_for.is_empty() && stats(&scene).ticks > waiting.ticks);
+        assert_eq!(scene.conversions(), begin + 5);
+
         // What has gone leaves the wall.
         scene.app.world_mut().resource_mut::<Assets<Mesh>>().remove(&mesh);
+        scene.app.world_mut().resource_mut::<Assets<Mesh>>().remove(&late);
         still(&mut scene);
+        scene.is_planned_after("another setting", |world, [domain, ..]| {
+            world.get_mut::<FluidDomain>(*domain).unwrap().max_substeps = 400;
+        });
+        assert!(stats(&scene).waiting_for.is_empty());
+        assert_eq!(scene.conversions(), begin + 5);
         assert!(scene.problems().is_empty(), "{:?}", scene.problems());
-        let domain = scene.domain;
-        assert!(scene.app.world().get::<FluidStats>(domain).unwrap().waiting_for.is_empty());
     }
 
     #[test]
