@@ -1,5 +1,5 @@
 // Semi-implicit Euler: v += a dt, x += v dt. Reads the sorted copy, writes the state at the same index, so that whoever
-// draws always reads the same buffers.
+// draws always reads the same buffers. With XSPH particles also move with what that pass found, x += (v + e) dt.
 
 #import freshet::bindings as fields
 #import freshet::threads
@@ -24,7 +24,11 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     }
     let dt = fields::control.substep;
     let velocity = fields::velocity_and_density(a).xyz + fields::acceleration(a) * dt;
+#ifdef XSPH_DRIFT
+    var position = fields::sorted_position(a) + (velocity + fields::drift(a)) * dt;
+#else
     var position = fields::sorted_position(a) + velocity * dt;
+#endif
 #ifdef INCOMPRESSIBLE
     // What the density solve found changes positions only.
     if (fields::control.correction > 0.0) {

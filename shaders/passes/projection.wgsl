@@ -65,14 +65,11 @@ fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
     (*sums).squares += dot(along, along);
 }
 
-fn add_sample(own: Own, k: u32, sample: fields::Sample, sums: ptr<function, Sums>) {
+// Walls that have a velocity are belts: their samples stay where they are.
+fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
     let x = grid::difference(own.position, sample.position);
     let along = sample.weight * kernels::slope_over_q(length(x) * own.inverse_radius) * x;
-#ifdef MOVING_WALLS
-    (*sums).samples += dot(along, own.velocity - fields::wall_velocity(k));
-#else
     (*sums).samples += dot(along, own.velocity);
-#endif
     (*sums).sample_gradient += along;
 }
 #endif
@@ -99,7 +96,7 @@ fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
     (*sums).fluid += ((own.change + fields::change(b)) * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
 }
 
-fn add_sample(own: Own, k: u32, sample: fields::Sample, sums: ptr<function, Sums>) {
+fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
     let x = grid::difference(own.position, sample.position);
     (*sums).samples += (sample.weight * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
 }
@@ -128,7 +125,7 @@ fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
     (*sums).fluid += kernels::slope_over_q(length(x) * own.inverse_radius) * parting;
 }
 
-fn add_sample(own: Own, k: u32, sample: fields::Sample, sums: ptr<function, Sums>) {
+fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
     let x = grid::difference(own.position, sample.position);
     (*sums).samples += sample.weight * kernels::slope_over_q(length(x) * own.inverse_radius) * dot(x, own.acceleration);
 }
@@ -169,8 +166,7 @@ fn sums_of(own: Own, a: u32) -> Sums {
         }
         let walls = grid::row_of(wall_starts, cells);
         for (var t = 0u; t < walls.count; t++) {
-            let k = grid::member(walls, t);
-            add_sample(own, k, fields::sample(k), &sums);
+            add_sample(own, fields::sample(grid::member(walls, t)), &sums);
         }
 #endif
     }

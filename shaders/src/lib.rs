@@ -72,6 +72,10 @@ pub mod passes {
         PROJECTION = "projection.wgsl",
         /// Number of their iterations.
         SOLVE_CONTROL = "solve_control.wgsl",
+        /// Friction of walls.
+        FRICTION = "friction.wgsl",
+        /// Motion with the neighbours' mean velocity.
+        XSPH = "xsph.wgsl",
         /// Motion of bodies.
         BODY_MOTION = "body_motion.wgsl",
         /// Motion of particles.

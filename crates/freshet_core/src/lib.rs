@@ -17,6 +17,7 @@ mod overlap;
 pub mod periodic;
 pub mod plan;
 pub mod pressure_solver;
+pub mod relaxation;
 pub mod run;
 pub mod sampling;
 pub mod scene;
@@ -27,6 +28,7 @@ pub mod solver;
 pub mod step;
 pub mod viscosity;
 pub mod work;
+pub mod xsph;
 
 /// What most programs need.
 pub mod prelude {
@@ -40,9 +42,10 @@ pub mod prelude {
     pub use crate::periodic::Periodic;
     pub use crate::plan::{Plan, SceneError, StageKind};
     pub use crate::pressure_solver::{DivergenceFree, PressureSolver};
+    pub use crate::relaxation::Relaxation;
     pub use crate::run::SceneRun;
     pub use crate::scene::{
-        Body, Boundary, BoundaryShape, FluidScene, FluidSide, Resolution, Settings, Shape, Support, Volume,
+        Body, Boundary, BoundaryShape, FluidScene, FluidSide, Friction, Resolution, Settings, Shape, Support, Volume,
     };
     pub use crate::snapshot::Snapshot;
     pub use crate::solid::{Solid, SolidShape};

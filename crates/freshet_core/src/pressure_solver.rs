@@ -23,23 +23,35 @@ pub enum PressureSolver {
 ///
 /// With `P = p / rho^2` the acceleration by pressure is that of every plan,
 /// `a_a(P) = -(1/G) [ m sum_b (P_a + P_b) grad W_ab + rho0 sum_k V_k P_a grad W_ak ]`, and a density changes at the rate
-/// `D_a(v) = (1/S) [ m sum_b (v_a - v_b) . grad W_ab + rho0 sum_k V_k v_a . grad W_ak ]`. `D` is linear and, but for the factor
+/// `D_a(v) = (1/S) [ m sum_b (v_a - v_b) . grad W_ab + rho0 sum_k V_k (v_a - v_k) . grad W_ak ]`. `D` is linear and, but for the factor
 /// `G/S`, minus the transpose of `a`: the system `D(a(P))` is symmetric. Its diagonal is `-rho0 K_a`,
 /// `K_a = m^2 / (S G rho0) (|g_a|^2 + sum_b |grad W_ab|^2)`, with `g_a = sum_b grad W_ab + rho0/m sum_k V_k grad W_ak`
-/// (Bender & Koschier 2015, eqs. 8 and 9, with what walls add). A substep solves it twice, each time for `P >= 0` with
-/// `R <= 0`, and `R = 0` where `P > 0`:
+/// (Bender & Koschier 2015, eqs. 8 and 9, with what walls add). `v_k` of samples is zero for walls, which stay where they are even if
+/// their surface moves as a belt does; those of bodies move with `v + omega x r_k`.
+///
+/// *Bodies* that can move answer to pressures as the fluid does: `v` changes by force over mass and `omega` by inverse inertia times
+/// torque in every iteration, so that fluid and bodies are solved for as one (Batty, Bertails & Bridson 2007; Gissler et al. 2019 iterate
+/// between two solvers). With `g_aB = sum_k V_k grad W_ak` and `t_aB = sum_k V_k r_k x grad W_ak` over the samples of body `B`, it takes
+/// `(rho0/S) (v . g_aB + omega . t_aB)` from `D_a`, and the fluid pushes it by `(m rho0/G) sum_a P_a g_aB` and turns it by the same of
+/// `t_aB`. What its answer adds to the system, `C_ab = (m rho0/(S G)) sum_B (g_aB . g_bB/m_B + t_aB . I_B^-1 t_bB)`, is symmetric, has no negative
+/// eigenvalue, and joins all who touch a body: with `c_aB` the root of the part of `B` in `C_aa`, no row of its part sums up to more than
+/// `c_aB sum_b c_bB` (Cauchy & Schwarz). That, over the largest eigenvalue of the lattice, is added to `K_a`: then Jacobi steps are as stable as
+/// without bodies, however light these are (Gershgorin).
+///
+/// A substep solves the system twice, each time for `P >= 0` with `R <= 0`, and `R = 0` where `P > 0`:
 ///
 /// - *Divergence solve*: velocities. `R_a = s_a + dt/rho0 D_a(v + dt a)`, where `a` holds all that accelerates. `s_a` is what
 ///   the substep may or must change of the relative density `e_a = rho_a/rho0 - 1`. What is thinner than at rest may be
 ///   compressed; what is denser is pushed apart by velocities only in so far as the flow is fast, [`share`](Self::share).
 /// - *Density solve*: positions. `R_a = E_a + dt^2/rho0 D_a(a(P))`, where `E_a` is the density that the velocities leave too much. It
-///   moves particles by `dt^2 a(P)` and changes no velocity: a correction by velocity, `e d/dt`, is kinetic energy that comes from
-///   nowhere, and a column corrected by it never comes to rest.
+///   moves particles by `dt^2 a(P)` about bodies that stand still, pushes none of them and changes no velocity: a correction by
+///   velocity, `e d/dt`, is kinetic energy that comes from nowhere, and a column corrected by it never comes to rest.
 ///
 /// Both iterate by Jacobi steps of `omega R_a / (dt^2 K_a)` with Nesterov's momentum of at least [`MOMENTUM`](Self::MOMENTUM), from the
 /// pressures of the last substep in the one, from none in the other. `omega` follows from [`largest_eigenvalue`]. Divergence
 /// iterations end by the mean of `|R|` where it counts (not where `P = 0` and `R < 0`): with `max(R, 0)`, the usual measure, a column
-/// with too much pressure is accepted as it is and takes off.
+/// with too much pressure is accepted as it is and takes off. The mean is that over all particles, or that over those that touch a body which
+/// can move, if it is larger: a light ball in a large tank is seen by few of them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DivergenceFree {

@@ -2,12 +2,14 @@
 //! it into what is executed.
 
 mod boundary;
+mod friction;
 
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
 pub(crate) use self::boundary::side_of;
 pub use self::boundary::{Boundary, BoundaryShape, FluidSide};
+pub use self::friction::Friction;
 
 use crate::emitter::Emitter;
 use crate::equation_of_state::EquationOfState;
@@ -16,6 +18,7 @@ use crate::kernel::KernelKind;
 use crate::material::Material;
 use crate::periodic::Periodic;
 use crate::pressure_solver::PressureSolver;
+use crate::relaxation::Relaxation;
 use crate::solid::Solid;
 use crate::viscosity::ViscosityModel;
 
@@ -246,6 +249,11 @@ pub struct Settings {
     /// under tension, of negative pressures that are not [clamped](Self::clamp_negative_pressure), from clumping: 0.01 does, more
     /// than that loosens the fluid. See [`near_pressure`](crate::near_pressure).
     pub near_pressure: f32,
+    /// XSPH's epsilon, 0 to 1; zero takes it out of the plan. Particles move with a share of the mean velocity around them, which keeps
+    /// streams that meet from passing through each other; velocities stay as they are. See [`xsph`](crate::xsph).
+    pub xsph: f32,
+    /// Lets particles settle before the start; none starts as volumes are sampled. Not with bodies, whose places are not known then.
+    pub relaxation: Option<Relaxation>,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
     pub viscosity_model: Option<ViscosityModel>,
     /// Substep over `h / (c + v)`, or, of an incompressible fluid, over `d / v`: 0.01 to 1.
@@ -278,6 +286,8 @@ impl Default for Settings {
             allow_compressible: false,
             artificial_viscosity: 0.03,
             near_pressure: 0.0,
+            xsph: 0.0,
+            relaxation: None,
             viscosity_model: None,
             courant_factor: 0.4,
             force_factor: 0.25,
@@ -337,6 +347,10 @@ impl Settings {
         }
         check_range("artificial_viscosity", self.artificial_viscosity, 0.0, 1.0, "")?;
         check_range("near_pressure", self.near_pressure, 0.0, 0.1, "")?;
+        check_range("xsph", self.xsph, 0.0, 1.0, "")?;
+        if let Some(relaxation) = &self.relaxation {
+            relaxation.validate().map_err(|error| error.inside("relaxation"))?;
+        }
         check_range("courant_factor", self.courant_factor, 0.01, 1.0, "")?;
         check_range("force_factor", self.force_factor, 0.01, 1.0, "")?;
         check_range("viscous_factor", self.viscous_factor, 0.01, 1.0, "")?;

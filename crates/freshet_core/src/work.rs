@@ -80,9 +80,17 @@ impl Work {
                 let per_pair = 2 * (DISTANCE + RELATIVE + slope + 2 + ADD_VECTOR) + 2;
                 Self { per_particle: ADD_VECTOR + 14, per_pair }
             }
-            StageKind::BodySort | StageKind::BodyLoad | StageKind::StepControl | StageKind::BodyMotion => {
-                Self::default()
+            // Difference of velocities, sum of densities, quotient; acceleration before, factor after.
+            StageKind::Xsph => {
+                let per_pair = DISTANCE + RELATIVE + shape + 3 + 1 + 1 + ADD_VECTOR;
+                Self { per_particle: ADD_VECTOR + 3, per_pair }
             }
+            // Of particles beside such walls only.
+            StageKind::Friction
+            | StageKind::BodySort
+            | StageKind::BodyLoad
+            | StageKind::StepControl
+            | StageKind::BodyMotion => Self::default(),
         }
     }
 
@@ -165,6 +173,8 @@ mod tests {
             scene.settings.near_pressure = 0.01;
         })?;
         assert_eq!(Work::of(StageKind::Acceleration, &near).per_pair, 24 + 24);
+        // As density without its factor, and: dv 3, rho + rho 1, quotient 1, sum 6.
+        assert_eq!(Work::of(StageKind::Xsph, &calm).per_pair, 18 + 11);
         assert_eq!(Work::of(StageKind::BodyLoad, &calm), Work::default());
         Ok(())
     }

@@ -51,6 +51,50 @@ fn without_bodies_there_is_no_stage_for_them() {
 }
 
 #[test]
+fn xsph_is_a_stage_of_plans_that_ask_for_it_and_knows_both_solvers() {
+    use StageKind::{Acceleration, Density, DensitySolve, DivergenceSolve, Integrate, Sort, StepControl, Xsph};
+    let with = |mut scene: FluidScene| {
+        scene.settings.xsph = 0.5;
+        Plan::new(&scene).unwrap()
+    };
+    let plan = with(dam_break());
+    assert_eq!(kinds(&plan), [Sort, Density, Acceleration, StepControl, Xsph, Integrate]);
+    assert!(reason(&plan, Xsph).contains("settings.xsph is 0.5") && plan.to_string().contains("XSPH with epsilon 0.5"));
+    let plan = with(incompressible(DivergenceFree::default()));
+    let all = [Sort, Density, Acceleration, StepControl, DivergenceSolve, Xsph, DensitySolve, Integrate];
+    assert_eq!(kinds(&plan), all);
+}
+
+#[test]
+fn friction_is_a_stage_of_plans_with_walls_that_have_it() {
+    let mut scene = dam_break();
+    assert!(Plan::new(&scene).unwrap().boundary.frictions.is_empty());
+    scene.boundaries.push(Boundary::new(BoundaryShape::Box { half_extents: Vec3::splat(0.2) }, Vec3::Y * 10.0));
+    scene.boundaries[0].friction = Friction { at_rest: 0.5, sliding: 0.25 };
+    let plan = Plan::new(&scene).unwrap();
+    assert!(plan.has(StageKind::Friction) && reason(&plan, StageKind::Friction).contains("friction"));
+    let walls = &plan.boundary;
+    let rough = walls.frictions.iter().take_while(|&&friction| friction == [0.5, 0.25]).count();
+    assert!(rough > 0 && rough < walls.positions.len() && walls.frictions.len() == walls.positions.len());
+    assert!(walls.frictions[rough..].iter().all(|&friction| friction == [0.0, 0.0]));
+    scene.boundaries[1].friction = Friction::coulomb(0.1);
+    scene.boundaries[1].velocity = Vec3::X;
+    scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
+    let message = Plan::new(&scene).unwrap_err().to_string();
+    assert!(message.contains("boundaries[1].velocity") && message.contains("zero, as the boundary has friction"));
+}
+
+#[test]
+fn particles_do_not_settle_among_bodies() {
+    let mut scene = dam_break();
+    scene.settings.relaxation = Some(Relaxation::default());
+    assert!(Plan::new(&scene).unwrap().relaxation.is_some());
+    scene.bodies.push(cork());
+    let message = Plan::new(&scene).unwrap_err().to_string();
+    assert!(message.contains("settings.relaxation") && message.contains("none, if there are bodies"), "{message}");
+}
+
+#[test]
 fn every_stage_has_a_reason_that_fits_the_scene() {
     let plan = Plan::new(&FluidScene { bodies: vec![cork()], ..dam_break() }).unwrap();
     assert!(plan.stages.iter().all(|stage| stage.reason.len() > 10));
@@ -590,6 +634,14 @@ fn an_incompressible_fluid_has_its_solves_and_starts_under_the_pressure_of_water
     loose.volumes[0].hydrostatic = false;
     assert!(Plan::new(&loose).unwrap().pressures.iter().all(|&pressure| pressure == 0.0));
     assert!(Plan::new(&dam_break()).unwrap().pressures.is_empty());
+
+    let mut with_body = incompressible(DivergenceFree::default());
+    with_body.bodies.push(cork());
+    let plan = Plan::new(&with_body).unwrap();
+    for kind in [StageKind::BodySort, StageKind::BodyLoad, StageKind::BodyMotion] {
+        assert!(plan.has(kind), "{kind:?}");
+    }
+    assert!(reason(&plan, DivergenceSolve).contains("bodies answer"), "{}", reason(&plan, DivergenceSolve));
 }
 
 #[test]
@@ -621,7 +673,6 @@ fn what_an_incompressible_fluid_cannot_have_is_refused() {
         (with(tait), ["settings.equation_of_state", "tait", only]),
         (with(|scene| scene.settings.clamp_negative_pressure = false), ["clamp_negative_pressure", "false", only]),
         (with(|scene| scene.settings.near_pressure = 0.01), ["settings.near_pressure", "0.01", only]),
-        (with(|scene| scene.bodies.push(cork())), ["settings.pressure_solver", "1 bodies", "WeaklyCompressible"]),
     ] {
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
     }

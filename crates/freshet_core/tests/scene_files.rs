@@ -42,6 +42,7 @@ FluidScene(
         (
             shape: Plane(half_extents: (4.5, 3.5)),
             center: (2, -1, 0.5),
+            friction: (at_rest: 0.75, sliding: 0.625),
         ),
     ],
     bodies: [(name: "cork", samples: [
@@ -53,6 +54,7 @@ FluidScene(
         sound_speed: Some(90),
         artificial_viscosity: 0.07,
         near_pressure: 0.01,
+        xsph: 0.25,
         courant_factor: 0.41,
         force_factor: 0.26,
         viscous_factor: 0.13,
@@ -200,7 +202,7 @@ fn what_could_not_be_read_again_is_not_written() {
 }
 
 /// Each: what is changed into what, then field, value and allowed range as the message must name them.
-const INVALID: [(&str, &str, [&str; 3]); 46] = [
+const INVALID: [(&str, &str, [&str; 3]); 51] = [
     ("Spacing(0.1)", "Spacing(-0.1)", ["resolution", "-0.1", "0.0001 to 100"]),
     ("Spacing(0.1)", "Spacing(0)", ["resolution", "0", "0.0001 to 100"]),
     ("Spacing(0.1)", "Spacing(1e-5)", ["resolution", "0.00001", "0.0001 to 100"]),
@@ -246,6 +248,11 @@ const INVALID: [(&str, &str, [&str; 3]); 46] = [
     ("support: Ratio(2)", "expected_speed: 0", ["settings.expected_speed", "0", "0.0001 to 10000"]),
     ("artificial_viscosity: 0.07", "artificial_viscosity: 1.5", ["settings.artificial_viscosity", "1.5", "0 to 1"]),
     ("near_pressure: 0.01", "near_pressure: 0.2", ["settings.near_pressure", "0.2", "0 to 0.1"]),
+    ("sliding: 0.625", "sliding: -0.5", ["boundaries[1].friction.sliding", "-0.5", "0 to 10"]),
+    ("at_rest: 0.75", "at_rest: 0.5", ["boundaries[1].friction.at_rest", "0.5", "0.625 to 10"]),
+    ("xsph: 0.25", "relaxation: (calm: 2)", ["settings.relaxation.calm", "2", "0.000001 to 1"]),
+    ("xsph: 0.25", "relaxation: (max_substeps: 0)", ["settings.relaxation.max_substeps", "0", "1 to 1000000"]),
+    ("xsph: 0.25", "xsph: 1.5", ["settings.xsph", "1.5", "0 to 1"]),
     ("courant_factor: 0.41", "courant_factor: 0", ["settings.courant_factor", "0", "0.01 to 1"]),
     ("force_factor: 0.26", "force_factor: 2", ["settings.force_factor", "2", "0.01 to 1"]),
     ("viscous_factor: 0.13", "viscous_factor: NaN", ["settings.viscous_factor", "NaN", "0.01 to 1"]),

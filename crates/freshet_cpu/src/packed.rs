@@ -121,6 +121,11 @@ impl<const N: usize> Packed<N> {
         }
     }
 
+    /// One quantity of the candidates.
+    pub fn values(&self, quantity: usize) -> &[f32] {
+        &self.values[quantity * self.room..][..self.len]
+    }
+
     /// Lanes of candidates from `first` on.
     #[inline(always)]
     pub fn lanes<S: Simd>(&self, first: usize) -> [S::f32s; N] {

@@ -16,6 +16,8 @@ pub struct SortedSamples {
     pub volume: Vec<f32>,
     /// Volume weights of those that drag the fluid along, zero for the others; empty if there is none, padded otherwise.
     pub viscous_volume: Vec<f32>,
+    /// Volume weights times the coefficients of friction of what sticks and of what slides, m3, padded; empty if there is none.
+    pub friction: [Vec<f32>; 2],
     /// Velocities, m/s, padded; one array of zeros for all axes if none moves.
     velocity: Vec<Vec<f32>>,
     /// Index of each sample in the order given.
@@ -76,6 +78,18 @@ impl SortedSamples {
         }
     }
 
+    /// Gives the samples coefficients of friction, in the order given to [`SortedSamples::sort`]; none if there are none.
+    pub fn set_frictions(&mut self, frictions: &[[f32; 2]]) {
+        for (kind, weights) in self.friction.iter_mut().enumerate() {
+            weights.clear();
+            if !frictions.is_empty() {
+                let weight = |(&source, &volume): (&u32, &f32)| frictions[source as usize][kind] * volume;
+                weights.extend(self.source.iter().zip(&self.volume).map(weight));
+                weights.resize(self.source.len() + PADDING, 0.0);
+            }
+        }
+    }
+
     /// Says how the samples' surfaces move, in the order given to [`SortedSamples::sort`]; not at all if there is no velocity.
     pub fn set_velocities(&mut self, velocities: &[Vec3]) {
         let along = |axis: usize| {
@@ -116,7 +130,8 @@ impl SortedSamples {
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
         let weights = [&self.volume, &self.viscous_volume];
-        let reals: usize = self.position.iter().chain(weights).chain(&self.velocity).map(Vec::capacity).sum();
+        let reals: usize =
+            self.position.iter().chain(weights).chain(&self.friction).chain(&self.velocity).map(Vec::capacity).sum();
         4 * (reals + self.source.capacity() + self.starts.capacity()) as u64
     }
 }

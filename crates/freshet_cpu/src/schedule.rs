@@ -35,6 +35,10 @@ fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
         StageKind::BodyLoad => 16,
         // Position, velocity and acceleration read, position and velocity written.
         StageKind::Integrate => 36 + 24,
+        // Velocity and acceleration read, velocity written; position, velocity and density read, what moves it written.
+        StageKind::Xsph => 36 + 28 + 12,
+        // Those beside walls with friction only.
+        StageKind::Friction => 0,
         StageKind::BodySort | StageKind::StepControl | StageKind::BodyMotion => 0,
     };
     ScheduledPass { stage, name: stage.name(), bytes_per_particle }

@@ -1,5 +1,6 @@
 //! The solver: owns the state and runs the plan's stages.
 
+mod answers;
 mod solves;
 mod stages;
 
@@ -11,12 +12,14 @@ use freshet_core::field::{Field, FieldData};
 use freshet_core::kernel::Kernel;
 use freshet_core::plan::{Plan, StageKind};
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
+use freshet_core::relaxation::relax;
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
 use freshet_core::solid::Misplaced;
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
 use freshet_core::step::{PassTime, StepInput, StepReport};
 use glam::Vec3;
 
+use self::answers::Load;
 use self::solves::{PressureSolve, Solved};
 use crate::candidates::Candidates;
 use crate::lanes::PADDING;
@@ -68,6 +71,8 @@ pub struct CpuSolver {
     /// Of plans whose pressures follow from densities.
     pressure_term: Vec<f32>,
     acceleration: [Vec<f32>; 3],
+    /// Of plans with XSPH.
+    drift: [Vec<f32>; 3],
     /// Of plans whose pressures are solved for.
     solve: PressureSolve,
     /// Length of the last substep, s; zero if there was none.
@@ -80,8 +85,8 @@ pub struct CpuSolver {
     /// On each of these samples, N: in the order of slots, and in the bodies' own.
     sorted_forces: Vec<Vec3>,
     forces: Vec<Vec3>,
-    /// Force (N) and torque (N m) on each body.
-    loads: Vec<(Vec3, Vec3)>,
+    /// On each body.
+    loads: Vec<Load>,
     exchanges: Vec<[Exchange; 4]>,
     poses: Vec<Option<BodyPose>>,
     gravity: Vec3,
@@ -157,6 +162,7 @@ impl CpuSolver {
             density: Vec::new(),
             pressure_term: Vec::new(),
             acceleration: Default::default(),
+            drift: Default::default(),
             solve: PressureSolve::default(),
             last_substep: 0.0,
             walls: SortedSamples::default(),
@@ -182,6 +188,7 @@ impl CpuSolver {
         for (pressure, &start) in solver.particles.pressure.iter_mut().zip(&solver.plan.pressures) {
             *pressure = start;
         }
+        relax(&mut solver)?;
         Ok(solver)
     }
 
@@ -212,12 +219,14 @@ impl CpuSolver {
         if !boundary.positions.is_empty() {
             self.walls.sort(&self.plan.grid, &boundary.positions, &boundary.volumes);
             self.walls.set_viscous(&boundary.viscous);
+            self.walls.set_frictions(&boundary.frictions);
             if self.plan.parameters.dynamic_viscosity > 0.0 {
                 self.walls.set_velocities(&boundary.velocities);
             }
         }
         self.body_samples = BodySamples::default();
         self.candidates = Vec::new();
+        self.drift = Default::default();
         self.solve = PressureSolve::default();
         let solves = self.plan.has(StageKind::DivergenceSolve);
         if solves != self.particles.keeps_pressures() {
@@ -257,6 +266,9 @@ impl CpuSolver {
         if self.solve.bytes() > 0 {
             self.schedule.buffers.push(schedule::buffer("pressure_solve", self.solve.bytes(), true));
         }
+        if self.plan.has(StageKind::Xsph) {
+            self.schedule.buffers.push(schedule::buffer("drift", real(&self.drift), true));
+        }
         if !self.walls.is_empty() {
             self.schedule.buffers.push(schedule::buffer("walls", self.walls.bytes(), false));
         }
@@ -266,8 +278,8 @@ impl CpuSolver {
                 + size_of::<Option<BodyPose>>() * self.poses.capacity()
                 + size_of::<Range<usize>>() * self.slots.capacity()
                 + size_of::<Vec3>() * (self.sorted_forces.capacity() + self.forces.capacity())
-                + size_of::<(Vec3, Vec3)>() * self.loads.capacity();
-            let bytes = self.body_samples.bytes() + states as u64;
+                + size_of::<Load>() * self.loads.capacity();
+            let bytes = self.body_samples.bytes() + self.solve.bodies.bytes() + states as u64;
             self.schedule.buffers.push(schedule::buffer("bodies", bytes, false));
         }
         self.schedule.capacity = self.particles.len as u32;
@@ -384,7 +396,10 @@ impl CpuSolver {
         let maxima = tally.timed("acceleration", || self.acceleration_stage());
         self.loads.clear();
         if self.plan.has(StageKind::BodyLoad) {
-            tally.timed("body_load", || self.body_load_stage());
+            tally.timed("body_load", || match self.plan.parameters.pressure_solver {
+                PressureSolver::WeaklyCompressible => self.body_load_stage(),
+                PressureSolver::DivergenceFree(_) => self.body_touch_stage(),
+            });
         }
         let dt = tally.timed("step_control", || {
             step_control::substep(&self.plan.parameters, &maxima, &self.bodies, self.gravity, remaining)
@@ -392,18 +407,23 @@ impl CpuSolver {
         if let PressureSolver::DivergenceFree(solver) = self.plan.parameters.pressure_solver
             && dt >= DivergenceFree::SHORTEST
         {
-            let way = (maxima.speed_squared.sqrt() * dt / self.plan.parameters.longest_way()).min(1.0);
+            self.solve.bodies.begin(&self.bodies, &self.loads, dt);
+            let speed = maxima.speed_squared.sqrt().max(self.solve.bodies.speed(&self.bodies));
+            let way = (speed * dt / self.plan.parameters.longest_way()).min(1.0);
             let solved = tally.timed("divergence_solve", || self.divergence_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
             tally.divergence_iterations += iterations;
+            self.final_velocities(dt, tally);
             let solved = tally.timed("density_solve", || self.density_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
             tally.density_iterations += iterations;
             self.last_substep = dt;
+        } else {
+            self.final_velocities(dt, tally);
         }
         tally.timed("body_motion", || {
-            for (body, &(force, torque)) in self.bodies.iter_mut().zip(&self.loads) {
-                body.advance(force, torque, dt);
+            for (body, load) in self.bodies.iter_mut().zip(&self.loads) {
+                body.advance(load.force, load.torque, dt);
             }
         });
         tally.timed("integrate", || self.integrate_stage(dt));
@@ -414,6 +434,16 @@ impl CpuSolver {
         tally.max_compression = tally.max_compression.max(compression.largest);
         tally.max_speed = maxima.speed_squared.sqrt();
         dt
+    }
+
+    /// Stages `friction` and `xsph`, if the plan has them.
+    fn final_velocities(&mut self, dt: f32, tally: &mut Tally) {
+        if self.plan.has(StageKind::Friction) {
+            tally.timed("friction", || self.friction_stage(dt));
+        }
+        if self.plan.has(StageKind::Xsph) {
+            tally.timed("xsph", || self.xsph_stage(dt));
+        }
     }
 }
 

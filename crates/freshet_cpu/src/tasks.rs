@@ -90,6 +90,14 @@ impl<'a, T: Send> Each for &'a mut [T] {
     }
 }
 
+impl<A: Each, B: Each> Each for (A, B) {
+    type One = (A::One, B::One);
+
+    fn one(&mut self) -> Option<(A::One, B::One)> {
+        Some((self.0.one()?, self.1.one()?))
+    }
+}
+
 /// The pieces that are left, and what is left of the arrays.
 pub struct Tasks<'a, P, E, V> {
     pieces: &'a [P],

@@ -13,9 +13,9 @@ pub struct Workspace {
     pub calm: Packed<4>,
     /// With a motion.
     pub moving: Packed<6>,
-    /// Samples that drag by artificial viscosity.
+    /// Samples that drag by artificial viscosity, or with friction.
     pub dragging: Packed<5>,
-    /// Samples that drag by a physical viscosity.
+    /// Samples that drag by a physical viscosity; fluid with its motion and density.
     pub sticking: Packed<7>,
     /// Fluid with a viscosity.
     pub viscous: Packed<8>,

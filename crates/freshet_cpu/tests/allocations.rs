@@ -81,8 +81,10 @@ fn substeps_allocate_nothing() {
     // So viscous that a tick has several substeps.
     incompressible.settings.viscous_factor = 0.01;
     incompressible.settings.artificial_viscosity = 0.3;
-    let with_body = FluidScene { bodies: vec![body], ..tank.clone() };
+    let with_body = FluidScene { bodies: vec![body.clone()], ..tank.clone() };
     compare(&incompressible, 2, "a tank of incompressible fluid");
+    incompressible.bodies.push(body);
+    compare(&incompressible, 2, "a tank of incompressible fluid and a ball");
     for threads in [1, 2, 3] {
         compare(&tank, threads, "a tank");
         compare(&with_body, threads, "a tank and a ball");

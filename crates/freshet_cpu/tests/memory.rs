@@ -100,4 +100,14 @@ fn bytes_of_the_schedule_are_the_bytes_allocated() {
     solver.reconfigure(again.clone()).unwrap();
     compare(&mut solver, before, "and with");
     assert_eq!(plan, *solver.plan());
+    drop(solver);
+
+    let mut scene = scene();
+    scene.settings.pressure_solver = PressureSolver::DivergenceFree(DivergenceFree::default());
+    let given = Plan::new(&scene).unwrap();
+    let options = CpuOptions { threads: Some(1), ..CpuOptions::default() };
+    let before = held();
+    let mut solver = CpuSolver::new(given.clone(), options).unwrap();
+    compare(&mut solver, before, "of an incompressible fluid");
+    assert_eq!(given, *solver.plan());
 }

@@ -1,7 +1,7 @@
 //! The stages against sums over all pairs in double precision, with the kernels of `freshet_core`.
 
 use freshet_core::kernel::Kernel;
-use freshet_core::plan::PlannedBoundary;
+use freshet_core::plan::{PlannedBoundary, StageKind};
 use freshet_core::prelude::*;
 use freshet_cpu::{CpuOptions, CpuSolver, InstructionSet};
 use glam::DVec3;
@@ -211,6 +211,126 @@ fn near_pressure_agrees_too() {
             assert!(plan.parameters.near_pressure > 0.0);
             assert_agrees(&plan, instruction_set);
         }
+    }
+}
+
+/// XSPH's sum over all pairs, with the velocities and densities that the solver left (Monaghan 1989, eq. 2.6).
+#[test]
+fn xsph_moves_particles_as_sums_over_all_pairs_say() {
+    for (kernel, instruction_set, periodic) in [
+        (KernelKind::WendlandC2, InstructionSet::Widest, false),
+        (KernelKind::CubicSpline, InstructionSet::Scalar, false),
+        (KernelKind::Spiky, InstructionSet::Widest, true),
+    ] {
+        let mut scene = if periodic { channel(kernel, 0.0) } else { scene(kernel, 0.05) };
+        scene.settings.xsph = 0.7;
+        let plan = Plan::new(&scene).unwrap();
+        let state = jittered(&plan);
+        let mut solver = CpuSolver::new(plan.clone(), CpuOptions { threads: Some(2), instruction_set }).unwrap();
+        solver.restore(&state).unwrap();
+        let dt = 2e-4;
+        let report = solver.step(&StepInput { duration: dt, ..StepInput::default() }).unwrap();
+        assert_eq!((report.substeps, report.particles), (1, state.ids.len() as u32), "{report:?}");
+        let positions = read(&mut solver, Field::Position).vectors().unwrap();
+        let velocities = read(&mut solver, Field::Velocity).vectors().unwrap();
+        let density = read(&mut solver, Field::Density).scalars().unwrap();
+        let p = &plan.parameters;
+        let smoothing = p.kernel().unwrap();
+        let lengths = plan.grid.periodic.lengths();
+        let near = |apart: Vec3| {
+            let turns = (apart / lengths.max(Vec3::splat(1e-9))).round();
+            apart - Vec3::select(lengths.cmpgt(Vec3::ZERO), lengths * turns, Vec3::ZERO)
+        };
+        let (mut total, mut largest) = (DVec3::ZERO, 0.0f64);
+        for a in 0..positions.len() {
+            let mut expected = DVec3::ZERO;
+            for b in 0..positions.len() {
+                let apart = near(state.positions[a] - state.positions[b]).as_dvec3();
+                let mean = 0.5 * (f64::from(density[a]) + f64::from(density[b]));
+                let weight =
+                    smoothing.value(apart.length()) * f64::from(p.particle_mass / p.density_calibration) / mean;
+                expected += 0.7 * weight * (velocities[b] - velocities[a]).as_dvec3();
+            }
+            let moved = near(positions[a] - state.positions[a]).as_dvec3() / f64::from(dt);
+            let found = moved - velocities[a].as_dvec3();
+            // Positions of a metre are good to 6e-8 m, those of the pairs to 2.4e-7 m.
+            let rounding = 1.2e-7 * f64::from(state.positions[a].abs().max_element().max(1.0)) / f64::from(dt);
+            let error = (found - expected).length();
+            assert!(error < 2.0 * rounding, "{kernel:?} {a}: {found} not {expected}, {error:e} off");
+            total += expected;
+            largest = largest.max(expected.length());
+        }
+        assert!(largest > 0.5 && total.length() < 1e-4 * largest, "the centre of mass goes on as before: {total}");
+    }
+}
+
+/// What friction takes, from the state and the accelerations that the same scene without it has.
+#[test]
+fn friction_takes_what_coulomb_says() {
+    for (kernel, instruction_set, dt) in
+        [(KernelKind::WendlandC2, InstructionSet::Widest, 2e-4), (KernelKind::CubicSpline, InstructionSet::Scalar, 0.0)]
+    {
+        let mut scene = scene(kernel, 0.05);
+        let plain = Plan::new(&scene).unwrap();
+        let state = jittered(&plain);
+        // Of two kinds, and one wall without.
+        scene.boundaries[0].friction = Friction { at_rest: 0.8, sliding: 0.3 };
+        let plane = |height: f32| Boundary::new(BoundaryShape::Plane { half_extents: [0.3, 0.3] }, Vec3::Y * height);
+        let upside_down = Quat::from_rotation_x(std::f32::consts::PI);
+        let lid = Boundary { rotation: upside_down, ..plane(0.66) }.with_friction(Friction::coulomb(1.5));
+        scene.boundaries.extend([lid, plane(-0.02)]);
+        let plan = Plan { positions: plain.positions.clone(), ..Plan::new(&scene).unwrap() };
+        let without = Plan {
+            stages: plan.stages.iter().filter(|stage| stage.kind != StageKind::Friction).cloned().collect(),
+            ..plan.clone()
+        };
+        let result = |plan: &Plan| {
+            let mut solver = CpuSolver::new(plan.clone(), CpuOptions { threads: Some(2), instruction_set }).unwrap();
+            solver.restore(&state).unwrap();
+            let report = solver.step(&StepInput { duration: dt, ..StepInput::default() }).unwrap();
+            assert_eq!(report.substeps, 1, "{report:?}");
+            let accelerations = read(&mut solver, Field::Acceleration).vectors().unwrap();
+            (accelerations, read(&mut solver, Field::Density).scalars().unwrap())
+        };
+        let ((before, density), (after, _)) = (result(&without), result(&plan));
+        let p = &plan.parameters;
+        let (smoothing, dt) = (p.kernel().unwrap(), f64::from(dt));
+        let mut kinds = [0; 3];
+        for a in 0..before.len() {
+            let rho = f64::from(density[a]);
+            let pressure = p.pressure_law.pressure(f64::from(p.rest_density), rho).max(0.0);
+            let mut pushes = [DVec3::ZERO; 2];
+            for (k, at) in plan.boundary.positions.iter().enumerate() {
+                let apart = (state.positions[a] - *at).as_dvec3();
+                let push = -f64::from(p.rest_density * plan.boundary.volumes[k]) / f64::from(p.gradient_calibration)
+                    * pressure
+                    / (rho * rho)
+                    * smoothing.derivative_over_r(apart.length())
+                    * apart;
+                for (sum, coefficient) in pushes.iter_mut().zip(plan.boundary.frictions[k]) {
+                    *sum += f64::from(coefficient) * push;
+                }
+            }
+            let [most, sliding] = pushes.map(DVec3::length);
+            let velocity = state.velocities[a].as_dvec3() + dt * before[a].as_dvec3();
+            let along = velocity - pushes[0] * velocity.dot(pushes[0]) / (most * most).max(1e-30);
+            let expected = match along.length() {
+                _ if most == 0.0 => DVec3::ZERO,
+                speed if speed > most * dt => sliding * along / speed,
+                _ => along / dt,
+            };
+            kinds[if most == 0.0 {
+                0
+            } else if along.length() > most * dt {
+                1
+            } else {
+                2
+            }] += 1;
+            let found = (before[a] - after[a]).as_dvec3();
+            let size = before[a].as_dvec3().length() + expected.length() + velocity.length() * 1e-3 / dt.max(1e-3);
+            assert!((found - expected).length() < 2e-4 * size, "{a}: {found} not {expected}");
+        }
+        assert!(kinds[0] > 10 && kinds[1] > 10 && (kinds[2] > 10 || dt == 0.0), "{kinds:?}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! The solver's memory: what is needed for a plan and a capacity, and its allocation.
 
-use freshet_core::plan::Plan;
+use freshet_core::plan::{Plan, StageKind};
 use freshet_core::solver::{ScheduledBuffer, SolverError};
 use wgpu::BufferUsages as Usage;
 
@@ -67,9 +67,13 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     need(Binding::Control, size_of::<StepControl>() as u64, state);
     let arguments = 4 * (3 * Arguments::COUNT as u64 + 4);
     need(Binding::Arguments, arguments, Usage::STORAGE | Usage::INDIRECT | Usage::COPY_DST | Usage::COPY_SRC);
-    let solves = incompressible(plan);
     let needed = |binding: &Binding| {
-        binding.memory() == *binding && (solves || !matches!(binding, Binding::Motions | Binding::Solves))
+        let asked_for = match binding {
+            Binding::Motions | Binding::Solves => incompressible(plan),
+            Binding::Drifts => plan.has(StageKind::Xsph),
+            _ => true,
+        };
+        asked_for && binding.memory() == *binding
     };
     for binding in Binding::ALL.into_iter().filter(needed) {
         if let Some(each) = binding.particle_bytes() {
@@ -82,6 +86,9 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     let samples = first_body_sample(plan) + moving;
     if samples > 0 {
         need(Binding::Samples, bytes(16, samples), state);
+    }
+    if plan.has(StageKind::Friction) {
+        need(Binding::WallFrictions, bytes(8, plan.boundary.positions.len()), state);
     }
     if !plan.bodies.is_empty() {
         let bodies = plan.bodies.len();
@@ -122,6 +129,7 @@ impl Buffers {
         if !plan.boundary.positions.is_empty() {
             let walls = sort_walls(plan);
             buffers.write_samples(queue, &[walls.samples, walls.velocities].concat());
+            buffers.write(queue, Binding::WallFrictions, &walls.frictions);
             buffers.write_at(queue, Binding::CellStarts, 4 * u64::from(tables.wall_starts), &walls.starts);
         }
         if !plan.bodies.is_empty() {

@@ -81,6 +81,8 @@ pub(crate) struct SortedWalls {
     pub samples: Vec<[f32; 4]>,
     /// Velocities of their surfaces, m/s; empty if none moves.
     pub velocities: Vec<[f32; 4]>,
+    /// Their coefficients of friction; empty if there is none.
+    pub frictions: Vec<[f32; 2]>,
     /// First sample of each cell, with the bit [`NEAR_WALLS`].
     pub starts: Vec<u32>,
 }
@@ -117,5 +119,10 @@ pub(crate) fn sort_walls(plan: &Plan) -> SortedWalls {
     };
     let velocity = |&k: &usize| plan.boundary.velocities[k].extend(0.0).to_array();
     let moving = if moving_walls(plan) { order.iter().map(velocity).collect() } else { Vec::new() };
-    SortedWalls { samples: order.iter().map(sample).collect(), velocities: moving, starts }
+    let frictions = if plan.boundary.frictions.is_empty() {
+        Vec::new()
+    } else {
+        order.iter().map(|&k| plan.boundary.frictions[k]).collect()
+    };
+    SortedWalls { samples: order.iter().map(sample).collect(), velocities: moving, frictions, starts }
 }

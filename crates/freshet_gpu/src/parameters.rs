@@ -56,6 +56,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         period_high: ends(1, f32::MAX),
         near_pressure: (2.0 * f64::from(p.near_pressure) / rest * near_pressure::NORMALISATION
             / p.kernel.normalisation()) as f32,
+        xsph_scale: (2.0 * f64::from(p.xsph) * mass * density) as f32,
         pair_viscosity: (2.0 * viscosity * f64::from(p.gradient_calibration) / f64::from(p.viscous_calibration)) as f32,
         wall_viscosity: p.dynamic_viscosity,
         wall_depth: p.boundary_depth,

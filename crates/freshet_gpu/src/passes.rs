@@ -113,9 +113,9 @@ pub(crate) fn needs_velocities(plan: &Plan) -> bool {
     plan.parameters.artificial_viscosity > 0.0 || plan.parameters.dynamic_viscosity > 0.0
 }
 
-/// Whether it matters to the fluid that walls move: where it sticks to them, and where it must not be compressed by them.
+/// Whether fluid sticks to walls some of which move.
 pub(crate) fn moving_walls(plan: &Plan) -> bool {
-    !plan.boundary.velocities.is_empty() && (incompressible(plan) || WallDrag::of(plan) == WallDrag::Morris)
+    !plan.boundary.velocities.is_empty() && WallDrag::of(plan) == WallDrag::Morris
 }
 
 /// The passes of one substep, in order.
@@ -282,29 +282,53 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let begin = vec![with_words(7, begin), control("density_control")];
             begin.into_iter().chain(iteration()).collect()
         }
+        StageKind::Friction => vec![pass(
+            "friction",
+            passes::FRICTION,
+            Arguments::Motion,
+            &[
+                (B::SortedPositions, Read),
+                (B::SortedVelocities, Read),
+                (B::CellStarts, Read),
+                (B::Samples, Read),
+                (B::WallFrictions, Read),
+                (B::Control, Read),
+                (B::Accelerations, Write),
+            ],
+        )],
+        StageKind::Xsph => vec![pass(
+            "xsph",
+            passes::XSPH,
+            Arguments::Motion,
+            &[
+                (B::SortedPositions, Read),
+                (B::SortedVelocities, Read),
+                (B::CellStarts, Read),
+                (B::Hits, Read),
+                (B::Accelerations, Read),
+                (B::Control, Read),
+                (B::Drifts, Write),
+            ],
+        )],
         StageKind::BodyMotion => vec![pass(
             "body_motion",
             passes::BODY_MOTION,
             Arguments::BodyMotion,
             &[(B::Bodies, Write), (B::Control, Write)],
         )],
-        StageKind::Integrate => vec![pass(
-            "integrate",
-            passes::INTEGRATE,
-            Arguments::Motion,
-            &with(
-                solves,
-                vec![
-                    (B::SortedPositions, Read),
-                    (B::SortedVelocities, Read),
-                    (B::SortedLives, Read),
-                    (B::Accelerations, Read),
-                    (B::Control, Read),
-                    (B::Particles, Write),
-                ],
-                &[(B::Motions, Read)],
-            ),
-        )],
+        StageKind::Integrate => {
+            let moved = [
+                (B::SortedPositions, Read),
+                (B::SortedVelocities, Read),
+                (B::SortedLives, Read),
+                (B::Accelerations, Read),
+                (B::Control, Read),
+                (B::Particles, Write),
+            ];
+            let uses = with(plan.has(StageKind::Xsph), moved.to_vec(), &[(B::Drifts, Read)]);
+            let uses = with(solves, uses, &[(B::Motions, Read)]);
+            vec![pass("integrate", passes::INTEGRATE, Arguments::Motion, &uses)]
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use freshet_core::plan::Plan;
 use freshet_core::pressure_solver::PressureSolver;
+use freshet_core::relaxation::relax;
 use freshet_core::solid::Misplaced;
 use freshet_core::solver::{Schedule, ScheduledBuffer, SolverError};
 use freshet_core::step::{BodyInput, StepInput, StepReport};
@@ -114,7 +115,8 @@ impl Start {
 }
 
 impl GpuSolver {
-    /// Lowers a plan to passes and buffers, compiles and allocates them, and uploads the start.
+    /// Lowers a plan to passes and buffers, compiles and allocates them, and uploads the start. Waits for the GPU if particles are to
+    /// [settle](freshet_core::relaxation) first.
     ///
     /// # Errors
     /// [`SolverError::WeakAdapter`] if a buffer would be larger than the device allows, [`SolverError::Unsupported`],
@@ -125,7 +127,9 @@ impl GpuSolver {
         plan: Plan,
         options: GpuOptions,
     ) -> Result<Self, SolverError> {
-        Self::with_compiled(device, queue, plan, options, None)
+        let mut solver = Self::with_compiled(device, queue, plan, options, None)?;
+        relax(&mut solver)?;
+        Ok(solver)
     }
 
     /// As [`new`](Self::new), with the pipelines of an earlier plan where they are the same.

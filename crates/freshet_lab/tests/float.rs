@@ -5,12 +5,17 @@
 use freshet_lab::backend::Backend;
 use freshet_lab::commands::float::{Case, Latency, Pool, Run, simulate, verdict};
 use freshet_lab::error::LabError;
+use freshet_lab::method::Method;
 use freshet_lab::progress::Progress;
 
 /// The ball of six spacings.
 fn float(backend: Backend, latency: Latency, seconds: f64) -> Result<Run, LabError> {
+    float_by(Method::WeaklyCompressible, backend, latency, seconds)
+}
+
+fn float_by(method: Method, backend: Backend, latency: Latency, seconds: f64) -> Result<Run, LabError> {
     let pool = Pool::for_ball(6).unwrap_or_else(|| unreachable!("six is one of the two sizes"));
-    let case = Case { backend, pool, latency, seconds };
+    let case = Case { backend, method, pool, latency, seconds };
     simulate(&case, |plan| backend.open(plan, Some(1)), &mut Progress::hidden())
 }
 
@@ -69,4 +74,16 @@ fn three_ticks_late_on_the_cpu() -> Result<(), LabError> {
 #[test]
 fn two_ticks_late_on_the_gpu() -> Result<(), LabError> {
     assert_floats(Backend::Gpu, Latency::Ticks(2)).map(|_| ())
+}
+
+/// By the same bounds as in a weakly compressible fluid, in time and late.
+#[test]
+fn in_an_incompressible_fluid() -> Result<(), LabError> {
+    for latency in [Latency::Lockstep, Latency::Ticks(2)] {
+        let run = float_by(Method::DivergenceFree, Backend::Cpu, latency, 4.0)?;
+        let verdict = verdict(std::slice::from_ref(&run));
+        println!("{verdict}");
+        assert!(verdict.passes(), "{latency}\n{verdict}");
+    }
+    Ok(())
 }

@@ -33,7 +33,7 @@ fn the_default_step_is_stable_and_a_long_one_is_not_on_the_gpu() -> Result<(), L
 fn the_quick_form_finds_a_limit_for_every_configuration_and_draws_it() -> Result<(), LabError> {
     let folder = std::env::temp_dir().join(format!("freshet_lab_stability_{}", std::process::id()));
     let common = CommonOptions { quick: true, backend: Some(BackendChoice::Cpu), out: folder.clone() };
-    let args = StabilityArgs { common, threads: Default::default() };
+    let args = StabilityArgs { common, threads: Default::default(), options: Vec::new() };
     let configurations = args.configurations(Backend::Cpu);
     let verdict = run(&args)?;
     assert!(verdict.passes() && verdict.checks.len() == 2, "\n{verdict}");

@@ -55,3 +55,9 @@ fn vortices_decay_as_fast_as_they_should() -> Result<(), LabError> {
     assert_passes("taylor-green", Backend::Cpu)?;
     assert_passes("taylor-green", Backend::Gpu)
 }
+
+#[test]
+fn water_at_rest_has_the_pressure_of_its_depth() -> Result<(), LabError> {
+    assert_passes("hydrostatic", Backend::Cpu)?;
+    assert_passes("hydrostatic-dfsph", Backend::Cpu)
+}

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::kernel::KernelKind;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
+use freshet_core::relaxation::Relaxation;
 use freshet_core::scene::{Settings, Support};
 
 /// How a fluid is simulated. The defaults are those of every chart and benchmark of Freshet.
@@ -30,6 +31,10 @@ pub struct FluidSettings {
     pub artificial_viscosity: f32,
     /// Near pressure over the square of the speed of sound, 0 to 0.1: see [`Settings::near_pressure`].
     pub near_pressure: f32,
+    /// XSPH's epsilon, 0 to 1: see [`Settings::xsph`].
+    pub xsph: f32,
+    /// Lets particles settle before the start; not with bodies. See [`Settings::relaxation`].
+    pub relaxation: Option<FluidRelaxation>,
     /// Substep over `h / (c + v)`, of an incompressible fluid over `d / v`, 0.01 to 1; `h` is half the reach of the kernel.
     pub courant_factor: f32,
     /// Substep over `sqrt(h / a)`, 0.01 to 1; an incompressible fluid does not need it.
@@ -61,6 +66,8 @@ impl FluidSettings {
             allow_compressible: settings.allow_compressible,
             artificial_viscosity: settings.artificial_viscosity,
             near_pressure: settings.near_pressure,
+            xsph: settings.xsph,
+            relaxation: settings.relaxation.map(Into::into),
             courant_factor: settings.courant_factor,
             force_factor: settings.force_factor,
             viscous_factor: settings.viscous_factor,
@@ -81,12 +88,44 @@ impl FluidSettings {
             allow_compressible: self.allow_compressible,
             artificial_viscosity: self.artificial_viscosity,
             near_pressure: self.near_pressure,
+            xsph: self.xsph,
+            relaxation: self.relaxation.map(Into::into),
             courant_factor: self.courant_factor,
             force_factor: self.force_factor,
             viscous_factor: self.viscous_factor,
             bounds: self.bounds,
             ..Settings::default()
         }
+    }
+}
+
+/// When particles have settled; what happens stands at [`relaxation`](freshet_core::relaxation).
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub struct FluidRelaxation {
+    /// They have when the fastest is slower than this share of the expected speed, 1e-6 to 1.
+    pub calm: f32,
+    /// Most substeps, 1 to 1,000,000.
+    pub max_substeps: u32,
+    /// Whether they settle under gravity.
+    pub under_gravity: bool,
+}
+
+impl Default for FluidRelaxation {
+    fn default() -> Self {
+        Relaxation::default().into()
+    }
+}
+
+impl From<FluidRelaxation> for Relaxation {
+    fn from(FluidRelaxation { calm, max_substeps, under_gravity }: FluidRelaxation) -> Self {
+        Self { calm, max_substeps, under_gravity }
+    }
+}
+
+impl From<Relaxation> for FluidRelaxation {
+    fn from(Relaxation { calm, max_substeps, under_gravity }: Relaxation) -> Self {
+        Self { calm, max_substeps, under_gravity }
     }
 }
 
@@ -97,8 +136,8 @@ pub enum FluidPressureSolver {
     /// From the density, by an equation of state, in many cheap substeps.
     #[default]
     WeaklyCompressible,
-    /// Such that the fluid is not compressed, in few substeps of some iterations: several times as fast, and calmer, but not with
-    /// bodies yet, and on the CPU backend only.
+    /// Such that the fluid is not compressed, in few substeps of some iterations: several times as fast, and calmer; with bodies on the CPU
+    /// backend only.
     DivergenceFree {
         /// Mean compression with which positions are left as they are, 1e-6 to 0.1.
         compression: f32,

@@ -6,7 +6,6 @@ use super::SceneError;
 use crate::error::InvalidInput;
 use crate::grid::Grid;
 use crate::periodic::{AXES, Periodic};
-use crate::pressure_solver::PressureSolver;
 use crate::scene::{FluidScene, MAX_PARTICLES};
 
 /// Refuses particles so far from the origin that `f32` cannot tell a sixty-fourth of their spacing.
@@ -21,11 +20,11 @@ pub(super) fn check_precision(corner: Vec3, spacing: f32) -> Result<(), InvalidI
     Ok(())
 }
 
-/// Refuses bodies in an incompressible fluid: its pressures would have to be solved for together with their motion.
-pub(super) fn check_solver(scene: &FluidScene) -> Result<(), InvalidInput> {
-    if matches!(scene.settings.pressure_solver, PressureSolver::DivergenceFree(_)) && !scene.bodies.is_empty() {
-        let value = format!("DivergenceFree in a scene with {} bodies", scene.bodies.len());
-        return Err(InvalidInput::new("settings.pressure_solver", value, "WeaklyCompressible, if there are bodies"));
+/// Refuses particles that settle among bodies whose places are not known yet.
+pub(super) fn check_relaxation(scene: &FluidScene) -> Result<(), InvalidInput> {
+    if scene.settings.relaxation.is_some() && !scene.bodies.is_empty() {
+        let value = format!("Some in a scene with {} bodies", scene.bodies.len());
+        return Err(InvalidInput::new("settings.relaxation", value, "none, if there are bodies"));
     }
     Ok(())
 }

@@ -62,6 +62,9 @@ impl fmt::Display for Plan {
         if p.near_pressure > 0.0 {
             writeln!(f, "  near pressure {} m2/s2 times the density", p.near_pressure)?;
         }
+        if p.xsph > 0.0 {
+            writeln!(f, "  XSPH with epsilon {}", p.xsph)?;
+        }
         if p.dynamic_viscosity > 0.0 {
             writeln!(f, "  dynamic viscosity {} Pa s, calibration {:.4}", p.dynamic_viscosity, p.viscous_calibration)?;
         }

@@ -22,7 +22,7 @@ pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_v
 pub use self::stages::{Stage, StageKind};
 
 use self::checks::{
-    check_bounds, check_driven, check_particles_within, check_periods, check_precision, check_solver, max_particles,
+    check_bounds, check_driven, check_particles_within, check_periods, check_precision, check_relaxation, max_particles,
 };
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
@@ -38,6 +38,7 @@ use crate::grid::Grid;
 use crate::pressure_solver::{
     DivergenceFree, PressureSolver, largest_eigenvalue, lattice_diagonal, pressure_frequency,
 };
+use crate::relaxation::Relaxation;
 use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{FluidScene, MAX_SPACING, MIN_SPACING};
 
@@ -76,6 +77,8 @@ pub struct Plan {
     pub max_particles: u32,
     /// Wall time a tick may take, ms.
     pub budget_milliseconds: Option<f32>,
+    /// How particles settle before the start.
+    pub relaxation: Option<Relaxation>,
     /// Whether particles can have a lifetime.
     pub lifetimes: bool,
     /// What the user should know: choices made for them, warnings.
@@ -102,7 +105,7 @@ impl Plan {
         let periodic = scene.periodic;
         check_periods(&periodic, support_radius)?;
         check_driven(scene)?;
-        check_solver(scene)?;
+        check_relaxation(scene)?;
 
         for (index, emitter) in scene.emitters.iter().enumerate() {
             emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;
@@ -205,6 +208,7 @@ impl Plan {
             expected_speed,
             artificial_viscosity: settings.artificial_viscosity,
             near_pressure: settings.near_pressure * sound_speed * sound_speed,
+            xsph: settings.xsph,
             dynamic_viscosity: scene.physical_viscosity().map_or(0.0, |_| scene.material.dynamic_viscosity),
             viscous_calibration: kernel.lattice_viscous_sum(spacing) as f32,
             courant_factor: settings.courant_factor,
@@ -234,6 +238,7 @@ impl Plan {
             bodies,
             max_particles,
             budget_milliseconds: settings.budget_milliseconds,
+            relaxation: settings.relaxation,
             lifetimes,
             notes,
         })

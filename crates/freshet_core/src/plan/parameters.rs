@@ -49,6 +49,8 @@ pub struct Parameters {
     pub artificial_viscosity: f32,
     /// k of the near pressure `k rho`, m2/s2; zero for none. See [`near_pressure`](crate::near_pressure).
     pub near_pressure: f32,
+    /// Epsilon of XSPH; zero for none. See [`xsph`](crate::xsph).
+    pub xsph: f32,
     /// Dynamic viscosity of Morris' model, Pa s; zero without a model.
     pub dynamic_viscosity: f32,
     /// Divisor of Morris' pair forces, so that a parabolic velocity on the rest lattice has its exact force.

@@ -26,6 +26,8 @@ pub struct PlannedBoundary {
     pub viscous: Vec<bool>,
     /// Velocities of the surfaces they stand for, m/s; empty if none moves.
     pub velocities: Vec<Vec3>,
+    /// Coefficients of friction of what sticks and of what slides; empty if there is none.
+    pub frictions: Vec<[f32; 2]>,
     /// Where walls are solid, in world coordinates.
     pub solids: Vec<Solid>,
 }
@@ -112,6 +114,10 @@ pub(super) fn sample_boundaries(
         planned.volumes.extend(layer.volumes_among(&samples, periodic));
         if boundaries.iter().any(|boundary| boundary.velocity != Vec3::ZERO) {
             planned.velocities.extend(samples.iter().map(|_| boundary.velocity));
+        }
+        if boundaries.iter().any(|boundary| boundary.friction.is_some()) {
+            let friction = boundary.friction;
+            planned.frictions.extend(samples.iter().map(|_| [friction.at_rest, friction.sliding]));
         }
         planned.positions.extend(samples);
         planned.solids.extend(boundary.solids(layer));

@@ -24,6 +24,10 @@ pub enum StageKind {
     StepControl,
     /// Finds the pressures with which velocities do not compress the fluid.
     DivergenceSolve,
+    /// What walls with friction take of velocities along them.
+    Friction,
+    /// How much faster or slower than with their own velocity particles move, for the mean velocity around them.
+    Xsph,
     /// Moves particles apart where the fluid is compressed.
     DensitySolve,
     /// Moves the bodies by the fluid's force over the substep.
@@ -43,6 +47,8 @@ impl StageKind {
             StageKind::BodyLoad => "body_load",
             StageKind::StepControl => "step_control",
             StageKind::DivergenceSolve => "divergence_solve",
+            StageKind::Friction => "friction",
+            StageKind::Xsph => "xsph",
             StageKind::DensitySolve => "density_solve",
             StageKind::BodyMotion => "body_motion",
             StageKind::Integrate => "integrate",
@@ -102,11 +108,25 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     );
     if let Some(solver) = incompressible {
         let most = solver.max_iterations;
+        let answer = if bodies.is_empty() { "" } else { ", in which bodies answer" };
         let divergence = format!(
-            "velocities compress nothing, to {} a substep on average; at most {most} iterations",
+            "velocities compress nothing, to {} a substep on average; at most {most} iterations{answer}",
             solver.divergence
         );
         add(StageKind::DivergenceSolve, &divergence);
+    }
+    if scene.boundaries.iter().any(|boundary| boundary.friction.is_some()) {
+        add(StageKind::Friction, "boundaries have friction, which holds or slows what they carry");
+    }
+    if scene.settings.xsph > 0.0 {
+        let share = scene.settings.xsph;
+        add(
+            StageKind::Xsph,
+            &format!("settings.xsph is {share}: particles move with a share of the velocity around them"),
+        );
+    }
+    if let Some(solver) = incompressible {
+        let most = solver.max_iterations;
         let density = format!(
             "positions are corrected to a mean compression of {}; at most {most} iterations",
             solver.compression

@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::{REACH, check_half_extents, check_pose};
+use super::{Friction, REACH, check_half_extents, check_pose};
 use crate::error::{InvalidInput, check_range};
 use crate::geometry::{HeightField, TriangleMesh, convex_hull};
 use crate::viscosity::ViscosityModel;
@@ -159,6 +159,9 @@ pub struct Boundary {
     /// and for viscous shapes without faces, no vector being along all of their surface.
     #[serde(default)]
     pub velocity: Vec3,
+    /// Coulomb's friction, on all of its surface; none by default, and none of a surface that moves.
+    #[serde(default)]
+    pub friction: Friction,
 }
 
 fn every_face() -> [bool; 6] {
@@ -180,7 +183,14 @@ impl Boundary {
 
     /// A shape that is not turned and has viscous faces only.
     pub fn new(shape: BoundaryShape, center: Vec3) -> Self {
-        Self { shape, center, rotation: Quat::IDENTITY, viscous_faces: every_face(), velocity: Vec3::ZERO }
+        Self {
+            shape,
+            center,
+            rotation: Quat::IDENTITY,
+            viscous_faces: every_face(),
+            velocity: Vec3::ZERO,
+            friction: Friction::default(),
+        }
     }
 
     /// The same with other faces viscous, see [`Boundary::viscous_faces`].
@@ -191,6 +201,11 @@ impl Boundary {
     /// The same with a surface that moves, see [`Boundary::velocity`].
     pub fn with_velocity(self, velocity: Vec3) -> Self {
         Self { velocity, ..self }
+    }
+
+    /// The same with friction, see [`Boundary::friction`].
+    pub fn with_friction(self, friction: Friction) -> Self {
+        Self { friction, ..self }
     }
 }
 
@@ -232,6 +247,7 @@ impl Boundary {
                 field.validate().map_err(|error| error.inside("shape.field"))?;
             }
         }
+        self.friction.validate().map_err(|error| error.inside("friction"))?;
         check_pose(self.center, self.rotation)
     }
 
@@ -241,6 +257,9 @@ impl Boundary {
         }
         if self.velocity == Vec3::ZERO {
             return Ok(());
+        }
+        if self.friction.is_some() {
+            return Err(InvalidInput::new("velocity", self.velocity, "zero, as the boundary has friction"));
         }
         if model.is_none() {
             return Err(InvalidInput::new("velocity", self.velocity, "zero, as there is no settings.viscosity_model"));

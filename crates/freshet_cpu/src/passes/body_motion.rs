@@ -5,6 +5,15 @@ use freshet_core::snapshot::{BodyPose, Exchange};
 use freshet_core::step::{BodyInput, Impulse};
 use glam::{Mat3, Quat, Vec3};
 
+/// How a body moves or is accelerated: its centre of mass, and about it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// m/s or m/s2.
+    pub linear: Vec3,
+    /// rad/s or rad/s2, world axes.
+    pub angular: Vec3,
+}
+
 /// A body during a tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MovingBody {
@@ -88,6 +97,21 @@ impl MovingBody {
         (self.linear_velocity + self.drift).length()
     }
 
+    /// How it is accelerated by `force` (N) and `torque` (N m) alone.
+    pub fn answer(&self, force: Vec3, torque: Vec3) -> Motion {
+        Motion { linear: force * self.inverse_mass, angular: self.inverse_inertia * torque }
+    }
+
+    /// How it would move within `dt` seconds by `force` and `torque`, what takes it to its place included: see
+    /// [`advance`](Self::advance).
+    pub fn ahead(&self, force: Vec3, torque: Vec3, dt: f32) -> Motion {
+        let answer = self.answer(force, torque);
+        Motion {
+            linear: self.linear_velocity + self.drift + dt * (answer.linear + self.acceleration),
+            angular: self.angular_velocity + self.turn + dt * answer.angular,
+        }
+    }
+
     /// Where it is.
     pub fn pose(&self) -> BodyPose {
         BodyPose { position: self.position, rotation: self.rotation }
@@ -97,8 +121,9 @@ impl MovingBody {
     pub fn advance(&mut self, force: Vec3, torque: Vec3, dt: f32) {
         self.impulse.linear += force * dt;
         self.impulse.angular += torque * dt;
-        self.linear_velocity += dt * (force * self.inverse_mass + self.acceleration);
-        self.angular_velocity += dt * (self.inverse_inertia * torque);
+        let answer = self.answer(force, torque);
+        self.linear_velocity += dt * (answer.linear + self.acceleration);
+        self.angular_velocity += dt * answer.angular;
         self.position += dt * (self.linear_velocity + self.drift);
         self.rotation = (Quat::from_scaled_axis((self.angular_velocity + self.turn) * dt) * self.rotation).normalize();
     }

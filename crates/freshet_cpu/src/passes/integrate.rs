@@ -1,5 +1,6 @@
 //! Stage `integrate`: semi-implicit Euler, `v += a dt`, `x += v dt`; lifetimes run down. What leaves a period through one end
-//! comes back through the other.
+//! comes back through the other. Where the plan has XSPH, `v += a dt` comes first, for all particles, and what they move with
+//! besides, `x += (v + e) dt`.
 
 use freshet_core::periodic::Periodic;
 
@@ -7,12 +8,31 @@ use crate::particles::Particles;
 use crate::tasks::Tasks;
 use crate::workers::{Chunk, Workers};
 
-/// Moves all particles over `dt` seconds.
+/// Changes the velocities over `dt` seconds and leaves particles where they are.
+pub fn accelerate(
+    workers: &Workers,
+    chunks: &[Chunk],
+    particles: &mut Particles,
+    acceleration: &[Vec<f32>; 3],
+    dt: f32,
+) {
+    let velocities = particles.velocity.each_mut().map(Vec::as_mut_slice);
+    workers.share(Tasks::new(chunks, (), velocities), |(chunk, (), velocities)| {
+        for (velocity, acceleration) in velocities.into_iter().zip(acceleration) {
+            for (v, a) in velocity.iter_mut().zip(&acceleration[chunk.particles.clone()]) {
+                *v += a * dt;
+            }
+        }
+    });
+}
+
+/// Moves all particles over `dt` seconds; with a `drift`, m/s, velocities are those after the substep already.
 pub fn integrate(
     workers: &Workers,
     chunks: &[Chunk],
     particles: &mut Particles,
     acceleration: &[Vec<f32>; 3],
+    drift: Option<&[Vec<f32>; 3]>,
     periodic: &Periodic,
     lifetimes: bool,
     dt: f32,
@@ -23,10 +43,16 @@ pub fn integrate(
     let tasks = Tasks::new(chunks, (), (positions, velocities));
     workers.share(tasks, |(chunk, (), (positions, velocities))| {
         for (axis, (position, velocity)) in positions.into_iter().zip(velocities).enumerate() {
-            let acceleration = &acceleration[axis][chunk.particles.clone()];
-            for ((a, x), v) in acceleration.iter().zip(&mut *position).zip(velocity) {
-                *v += a * dt;
-                *x += *v * dt;
+            if let Some(drift) = drift {
+                for ((e, x), v) in drift[axis][chunk.particles.clone()].iter().zip(&mut *position).zip(velocity) {
+                    *x += (*v + e) * dt;
+                }
+            } else {
+                let acceleration = &acceleration[axis][chunk.particles.clone()];
+                for ((a, x), v) in acceleration.iter().zip(&mut *position).zip(velocity) {
+                    *v += a * dt;
+                    *x += *v * dt;
+                }
             }
             if periodic.along(axis).is_some() {
                 for x in position {

@@ -2,13 +2,16 @@
 //! [`DivergenceFree`](freshet_core::pressure_solver::DivergenceFree).
 //!
 //! Sought is what pressures change by. First come the accelerations by the change (the sum of the stage `acceleration`, with nothing
-//! else in it), then this pass: how fast densities change by them, what that leaves, and the next change.
+//! else in it), then this pass: how fast densities change by them, what that leaves, and the next change. The sums are those of
+//! samples that stand still, as walls do; what bodies add by their motion comes from their [touches](super::body_touch).
 
 use std::marker::PhantomData;
 
 use freshet_core::grid::Grid;
 use pulp::{Arch, Simd, WithSimd};
 
+use super::body_motion::Motion;
+use super::body_touch::Touch;
 use crate::candidates::Candidates;
 use crate::lanes::{ScaledRoot, difference};
 use crate::packed::Packed;
@@ -29,8 +32,10 @@ pub struct Inputs<'a> {
     pub starts: &'a [u32],
     /// Sorted particles.
     pub particles: &'a Particles,
-    /// Walls.
+    /// Walls and bodies.
     pub samples: &'a [&'a SortedSamples],
+    /// How bodies move, as the particles do.
+    pub bodies: &'a [Motion],
     /// What moves the particles, padded: in the first iteration velocities, m/s, later accelerations, m/s2.
     pub motion: &'a [Vec<f32>; 3],
     /// `m A / (S H^5 rho0)`.
@@ -55,6 +60,8 @@ pub struct Task<'a> {
     pub workspace: &'a mut Workspace,
     /// Their candidates, as the density pass found them.
     pub candidates: &'a Candidates,
+    /// Those of them that touch bodies which move.
+    pub touches: &'a [Touch],
     /// What they have been given and what they get.
     pub values: Values<'a>,
 }
@@ -95,7 +102,7 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
     /// Sum of `|R|` where it counts, limited to 1, in [units](UNIT): integers, so that order does not matter.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> u64 {
-        let Task { inputs, chunk, workspace, candidates, mut values } = self.0;
+        let Task { inputs, chunk, workspace, candidates, touches, mut values } = self.0;
         let ([x, y, z], [u, v, w]) = (&inputs.particles.position, inputs.motion);
         let Workspace { moving: fluid, calm: weighted, sums, .. } = workspace;
         fluid.begin(inputs.grid);
@@ -124,6 +131,11 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
             for (rate, &sum) in values.next[first..first + range.len()].iter_mut().zip(&*sums) {
                 *rate = simd.reduce_sum_f32s(sum);
             }
+        }
+        for touch in touches {
+            let Motion { linear, angular } = inputs.bodies[touch.body as usize];
+            values.next[touch.particle as usize - chunk.particles.start] -=
+                linear.dot(touch.push) + angular.dot(touch.turn);
         }
         step(&inputs, &mut values)
     }
@@ -186,7 +198,7 @@ fn add_fluid<S: Simd, K: SimdKernel>(
     }
 }
 
-/// `rho0/m sum_k V_k f'(q)/q x_ak . u_a` over walls, for each of a cell's particles.
+/// `rho0/m sum_k V_k f'(q)/q x_ak . u_a` over walls or bodies that stand still, for each of a cell's particles.
 #[inline(always)]
 fn add_samples<S: Simd, K: SimdKernel>(
     simd: S,

@@ -3,6 +3,7 @@
 use freshet_core::pressure_solver::DivergenceFree;
 
 use super::CpuSolver;
+use super::answers::Answers;
 use super::stages::{kernel_scale, those_with_samples};
 use crate::passes::projection::{self, UNIT, Values};
 use crate::simd_kernel::dispatch;
@@ -21,6 +22,8 @@ pub(super) struct PressureSolve {
     /// Velocities, then accelerations by the change of pressures.
     motion: [Vec<f32>; 3],
     pace: Pace,
+    /// Of plans with bodies.
+    pub bodies: Answers,
 }
 
 /// Nesterov's momentum, started again when a step made things worse (O'Donoghue & Candes 2015).
@@ -71,20 +74,20 @@ impl PressureSolve {
 
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
-        let Self { inverse_diagonal, source, left, change, next, stepped, motion, pace: _ } = self;
+        let Self { inverse_diagonal, source, left, change, next, stepped, motion, pace: _, bodies: _ } = self;
         let arrays = [inverse_diagonal, source, left, change, next, stepped];
         4 * arrays.into_iter().chain(motion).map(Vec::capacity).sum::<usize>() as u64
     }
 
     fn arrays_mut(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
-        let Self { inverse_diagonal, source, left, change, next, stepped, motion, pace: _ } = self;
+        let Self { inverse_diagonal, source, left, change, next, stepped, motion, pace: _, bodies: _ } = self;
         [inverse_diagonal, source, left, change, next, stepped].into_iter().chain(motion)
     }
 }
 
 impl CpuSolver {
     /// Stage `divergence_solve`: pressures with which velocities compress nothing over `dt` seconds; the accelerations get what
-    /// they change. `way` is that of the fastest particle over the longest allowed.
+    /// they change, and so do the loads on bodies. `way` is that of the fastest particle over the longest allowed.
     pub(super) fn divergence_solve_stage(&mut self, solver: &DivergenceFree, dt: f32, way: f32) -> Solved {
         let mut solve = std::mem::take(&mut self.solve);
         let live = self.particles.len;
@@ -98,6 +101,7 @@ impl CpuSolver {
                 *motion = v + dt * a;
             }
         }
+        solve.bodies.stiffen(&self.bodies, &mut solve.inverse_diagonal, &self.plan.parameters);
         solve.change[..live].fill(0.0);
         solve.stepped[..live].fill(0.0);
         solve.pace = Pace::default();
@@ -107,6 +111,7 @@ impl CpuSolver {
         while left > tolerance && iterations < solver.max_iterations {
             std::mem::swap(&mut solve.change, &mut solve.next);
             self.accelerate_by(&mut solve);
+            solve.bodies.answer(&self.bodies, &solve.change);
             left = self.iterate(&mut solve, dt, true, false);
             iterations += 1;
         }
@@ -120,12 +125,16 @@ impl CpuSolver {
                     *a += change;
                 }
             }
+            for (load, change) in self.loads.iter_mut().zip(solve.bodies.loads()) {
+                *load = *load + *change;
+            }
         }
+        solve.bodies.soften(&mut solve.inverse_diagonal);
         self.solve = solve;
         Solved { iterations, converged: left <= tolerance }
     }
 
-    /// Stage `density_solve`: moves particles apart where velocities leave them too dense.
+    /// Stage `density_solve`: moves particles apart where velocities leave them too dense. Bodies stay where they are.
     pub(super) fn density_solve_stage(&mut self, solver: &DivergenceFree, dt: f32, way: f32) -> Solved {
         let mut solve = std::mem::take(&mut self.solve);
         let live = self.particles.len;
@@ -181,6 +190,7 @@ impl CpuSolver {
             starts: &self.sorter.starts,
             particles: &self.particles,
             samples: those_with_samples(&samples),
+            bodies: solve.bodies.motions(),
             motion: &solve.motion,
             factor: gradient / (parameters.density_calibration * parameters.rest_density),
             number_density: parameters.rest_density / parameters.particle_mass,
@@ -191,6 +201,7 @@ impl CpuSolver {
         let results = [&mut *solve.source, &mut *solve.next, &mut *solve.stepped, &mut *solve.left];
         let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
         let (inverse_diagonal, change, pressure) = (&solve.inverse_diagonal, &solve.change, &self.particles.pressure);
+        let answers = &solve.bodies;
         let sum = self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, results)| {
             let [source, next, stepped, left] = results;
             let those = chunk.particles.clone();
@@ -204,9 +215,15 @@ impl CpuSolver {
                 stepped,
                 left,
             };
-            dispatch(parameters.kernel, projection::Task { inputs, chunk, workspace, candidates, values })
+            // Positions are corrected about bodies that stand still.
+            let touches = if standing { answers.touches_of(chunk) } else { &[] };
+            dispatch(parameters.kernel, projection::Task { inputs, chunk, workspace, candidates, touches, values })
         });
-        let left = mean(sum, self.particles.len);
+        let mut left = mean(sum, self.particles.len);
+        if standing {
+            // Around a body that answers it has to be as exact as everywhere, however few they are.
+            left = solve.bodies.left(&self.bodies, &solve.left, &solve.change, &self.particles.pressure).max(left);
+        }
         solve.pace.hear(left);
         left
     }

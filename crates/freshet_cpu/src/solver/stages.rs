@@ -6,13 +6,14 @@ use freshet_core::pressure_solver::PressureSolver;
 use glam::Vec3;
 
 use super::CpuSolver;
+use super::answers::Load;
 use crate::candidates::Candidates;
 use crate::lanes::PADDING;
 use crate::passes::acceleration::Maxima;
 use crate::passes::density::{Compression, Second};
 use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
-use crate::passes::{acceleration, body_load, density, integrate};
+use crate::passes::{acceleration, body_load, body_touch, density, friction, integrate, xsph};
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
 use crate::tasks::Tasks;
@@ -28,6 +29,9 @@ impl CpuSolver {
         let solves = self.plan.has(StageKind::DivergenceSolve);
         if solves {
             self.solve.resize(padded);
+        }
+        if self.plan.has(StageKind::Xsph) {
+            self.drift.iter_mut().for_each(|values| values.resize(padded, 0.0));
         }
         let terms = Some(&mut self.pressure_term).filter(|_| !solves);
         for values in [&mut self.density].into_iter().chain(&mut self.acceleration).chain(terms) {
@@ -172,15 +176,96 @@ impl CpuSolver {
                 force += on_sample.as_dvec3();
                 torque += (*at - body.position).cross(*on_sample).as_dvec3();
             }
-            self.loads.push((force.as_vec3(), torque.as_vec3()));
+            self.loads.push(Load { force: force.as_vec3(), torque: torque.as_vec3() });
         }
+    }
+
+    /// Takes what the friction of walls takes in `dt` seconds.
+    pub(super) fn friction_stage(&mut self, dt: f32) {
+        let parameters = &self.plan.parameters;
+        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let inputs = friction::Inputs {
+            arch: self.arch,
+            grid: &self.plan.grid,
+            starts: &self.sorter.starts,
+            particles: &self.particles,
+            walls: &self.walls,
+            kinds_of_samples: those_with_samples(&[&self.walls, &self.body_samples.sorted]).len(),
+            pressure_term: if self.particles.keeps_pressures() {
+                &self.particles.pressure
+            } else {
+                &self.pressure_term
+            },
+            factor: -parameters.rest_density * scale,
+            dt,
+        };
+        let results = self.acceleration.each_mut().map(Vec::as_mut_slice);
+        let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, acceleration)| {
+            dispatch(parameters.kernel, friction::Task { inputs, chunk, workspace, candidates, acceleration })
+        })
+    }
+
+    /// Velocities after the substep, and what particles move with besides.
+    pub(super) fn xsph_stage(&mut self, dt: f32) {
+        let chunks = &self.sorter.chunks;
+        integrate::accelerate(&self.workers, chunks, &mut self.particles, &self.acceleration, dt);
+        let parameters = &self.plan.parameters;
+        let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
+        let inputs = xsph::Inputs {
+            arch: self.arch,
+            grid: &self.plan.grid,
+            starts: &self.sorter.starts,
+            particles: &self.particles,
+            density: &self.density,
+            kinds_of_samples: those_with_samples(&[&self.walls, &self.body_samples.sorted]).len(),
+            factor: 2.0 * parameters.xsph * parameters.particle_mass * scale,
+        };
+        let results = self.drift.each_mut().map(Vec::as_mut_slice);
+        let tasks = Tasks::new(chunks, &mut *self.candidates, results);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, drift)| {
+            dispatch(parameters.kernel, xsph::Task { inputs, chunk, workspace, candidates, drift })
+        })
+    }
+
+    /// The same of an incompressible fluid, by the pressures of the last substep: from who touches whom, which its solve needs too.
+    pub(super) fn body_touch_stage(&mut self) {
+        let parameters = &self.plan.parameters;
+        self.body_samples.find_arms(&self.plan.bodies, &self.bodies);
+        let answers = &mut self.solve.bodies;
+        let lists = answers.found.len().max(self.sorter.chunks.len());
+        answers.found.resize_with(lists, Vec::new);
+        let (arch, grid, number_density) =
+            (self.arch, &self.plan.grid, parameters.rest_density / parameters.particle_mass);
+        let (starts, particles, samples) = (&self.sorter.starts, &self.particles, &self.body_samples);
+        let walls = !self.walls.is_empty();
+        let tasks = Tasks::new(&self.sorter.chunks, (&mut *self.candidates, &mut *answers.found), ());
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (candidates, touches), ())| {
+            let task = body_touch::Task {
+                arch,
+                grid,
+                starts,
+                particles,
+                samples,
+                walls,
+                number_density,
+                chunk,
+                workspace,
+                candidates,
+                touches,
+            };
+            dispatch(parameters.kernel, task);
+        });
+        answers.take_found(self.sorter.chunks.len(), parameters);
+        self.loads.extend(answers.load_by(&self.particles.pressure, self.bodies.len()));
     }
 
     /// Moves all particles over `dt` seconds.
     pub(super) fn integrate_stage(&mut self, dt: f32) {
         let (chunks, periodic) = (&self.sorter.chunks, &self.plan.grid.periodic);
         let (particles, accelerations) = (&mut self.particles, &self.acceleration);
-        integrate::integrate(&self.workers, chunks, particles, accelerations, periodic, self.mortal, dt);
+        let drift = self.plan.has(StageKind::Xsph).then_some(&self.drift);
+        integrate::integrate(&self.workers, chunks, particles, accelerations, drift, periodic, self.mortal, dt);
     }
 }
 

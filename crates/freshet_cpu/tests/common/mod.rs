@@ -9,6 +9,7 @@ pub fn solver(scene: &FluidScene, threads: usize) -> CpuSolver {
 }
 
 /// Ticks of a sixtieth of a second.
+#[allow(dead_code)] // Tests with bodies have ticks of their own.
 pub fn run(solver: &mut CpuSolver, ticks: u64) -> Vec<StepReport> {
     let start = solver.snapshot().unwrap();
     let mut scene = SceneRun::resume(&start);

@@ -71,11 +71,15 @@ pub enum Binding {
     SampleLoads,
     /// [`SpawnRecord`](records::SpawnRecord).
     Spawned,
+    /// Coefficients of friction of wall samples: of what sticks and of what slides.
+    WallFrictions,
+    /// What particles move with beside their velocity, of plans with XSPH: four words each, the last unused.
+    Drifts,
 }
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 24] = [
+    pub const ALL: [Binding; 26] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -100,6 +104,8 @@ impl Binding {
         Binding::BodySlots,
         Binding::SampleLoads,
         Binding::Spawned,
+        Binding::WallFrictions,
+        Binding::Drifts,
     ];
 
     /// Number in group 0.
@@ -139,6 +145,8 @@ impl Binding {
             Binding::BodySlots => "body_slots",
             Binding::SampleLoads => "sample_loads",
             Binding::Spawned => "spawned",
+            Binding::WallFrictions => "wall_frictions",
+            Binding::Drifts => "drifts",
         }
     }
 
@@ -146,9 +154,11 @@ impl Binding {
     pub fn particle_bytes(self) -> Option<u64> {
         match self {
             Binding::Particles | Binding::Hits | Binding::Solves => Some(32),
-            Binding::SortedPositions | Binding::SortedVelocities | Binding::Accelerations | Binding::Motions => {
-                Some(16)
-            }
+            Binding::SortedPositions
+            | Binding::SortedVelocities
+            | Binding::Accelerations
+            | Binding::Motions
+            | Binding::Drifts => Some(16),
             Binding::Densities => Some(8),
             Binding::SortedLives | Binding::Slots => Some(4),
             _ => None,
@@ -176,6 +186,8 @@ impl Binding {
             Binding::SortedLives => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
+            Binding::WallFrictions => "array<vec2<f32>>",
+            Binding::Drifts => "array<vec4<f32>>",
             Binding::CellCounts => "array<atomic<u32>>",
             Binding::Bodies => "array<BodyRecord>",
             Binding::BodyInputs => "array<BodyInputRecord>",
@@ -288,6 +300,8 @@ fn wall_velocity(k: u32) -> vec3<f32> {
 }
 "
             }
+            Binding::WallFrictions => "fn wall_friction(k: u32) -> vec2<f32> { return wall_frictions[k]; }\n",
+            Binding::Drifts => "fn drift(i: u32) -> vec3<f32> { return drifts[i].xyz; }\n",
             Binding::Bodies => {
                 "fn body_position(i: u32) -> vec3<f32> { return bodies[i].position; }
 fn body_rotation(i: u32) -> vec4<f32> { return bodies[i].rotation; }
@@ -431,6 +445,7 @@ fn add_body_impulse(i: u32, slot: u32, linear: vec3<f32>, angular: vec3<f32>) {
 }
 "
             }
+            Binding::Drifts => "fn set_drift(i: u32, e: vec3<f32>) { drifts[i] = vec4<f32>(e, 0.0); }\n",
             Binding::BodySlots => "fn set_body_slot(i: u32, k: u32) { body_slots[i] = k; }\n",
             Binding::SampleLoads => {
                 "fn set_sample_load(k: u32, f: vec3<f32>, t: vec3<f32>) {

@@ -139,8 +139,10 @@ wgsl_struct! {
         max_iterations: u32,
         /// 2 k/rho0 A_near/A: near pressure in units of the fluid's force scale.
         near_pressure: f32,
+        /// 2 epsilon m A / (S H^3): XSPH from the fluid's kernel shapes over sums of densities.
+        xsph_scale: f32,
         /// Unused.
-        pad_b: [u32; 2],
+        pad_b: u32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.

@@ -213,6 +213,161 @@ fn near_pressure_repels_as_in_the_reference() {
     assert!(has(&with(dam_break(0.05))) && !has(&dam_break(0.05)), "only a plan that has it has it in its shader");
 }
 
+/// The largest error of what particles move with beside their velocity, over what rounding of their positions makes of it.
+fn drift_error(solver: &mut GpuSolver) -> f64 {
+    let plan = solver.plan().clone();
+    let p = &plan.parameters;
+    let (before, velocities) = if plan.grid.periodic.any() { stirred(&plan) } else { moving_fluid(&plan) };
+    let before: Vec<Vec3> = before.into_iter().map(|x| plan.grid.periodic.wrap(x)).collect();
+    let ids: Vec<u32> = (0..before.len() as u32).collect();
+    place(solver, &ids, &before, &velocities);
+    let dt = 2e-4;
+    let report = solver.step(&tick(0, dt)).unwrap();
+    assert_eq!((report.particles, report.substeps), (ids.len() as u32, 1), "{report:?}");
+    let order = solver.read(Field::Id).unwrap().integers().unwrap();
+    let mut by_id = |field| solver.read(field).unwrap().sorted_by_id(&order);
+    let density = by_id(Field::Density).scalars().unwrap();
+    let after = by_id(Field::Position).vectors().unwrap();
+    let velocity = by_id(Field::Velocity).vectors().unwrap();
+    let kernel = p.kernel().unwrap();
+    let period = plan.grid.periodic.lengths().as_dvec3();
+    let difference = |a: Vec3, b: Vec3| {
+        let mut x = a.as_dvec3() - b.as_dvec3();
+        for axis in (0..3).filter(|&axis| period[axis] > 0.0) {
+            x[axis] -= period[axis] * (x[axis] / period[axis]).round();
+        }
+        x
+    };
+    let (mut worst, mut largest) = (0.0f64, 0.0f64);
+    for a in 0..before.len() {
+        // Monaghan 1989, eq. 2.6.
+        let pair = |b: usize| {
+            let mean = 0.5 * (f64::from(density[a]) + f64::from(density[b]));
+            let weight = f64::from(p.particle_mass / p.density_calibration) / mean;
+            weight * kernel.value(difference(before[a], before[b]).length()) * (velocity[b] - velocity[a]).as_dvec3()
+        };
+        let expected = f64::from(p.xsph) * (0..before.len()).map(pair).sum::<glam::DVec3>();
+        let found = difference(after[a], before[a]) / f64::from(dt) - velocity[a].as_dvec3();
+        let rounding = 1.2e-7 * f64::from(before[a].abs().max_element().max(1.0)) / f64::from(dt);
+        worst = worst.max((found - expected).length() / rounding);
+        largest = largest.max(expected.length());
+    }
+    assert!(largest > 0.5, "{largest}");
+    worst
+}
+
+#[test]
+fn xsph_moves_particles_as_in_the_reference() {
+    // Soft, so that pairs as close as these take no short steps.
+    let with = |mut scene: FluidScene| {
+        scene.settings.xsph = 0.7;
+        (scene.settings.sound_speed, scene.settings.allow_compressible) = (Some(0.3), true);
+        scene
+    };
+    let wide = Settings { support: Support::Ratio(3.2), artificial_viscosity: 0.0, ..Default::default() };
+    let scenes = [with(dam_break(0.05)), with(channel()), with(FluidScene { settings: wide, ..dam_break(0.05) })];
+    for (scene, neighbours) in
+        scenes.iter().zip([NeighbourMemory::Textures, NeighbourMemory::Buffers, NeighbourMemory::Textures])
+    {
+        let found = drift_error(&mut solver_with(scene, GpuOptions { neighbours, ..Default::default() }));
+        assert!(found < 2.0, "{:?}: {found} times what rounding makes", scene.settings);
+    }
+    let patch = Some(("/ (own.density + motion.w)", "/ (own.density + 1.02 * motion.w)"));
+    let found = drift_error(&mut solver_with(&scenes[0], GpuOptions { patch, ..Default::default() }));
+    assert!(found > 4.0, "a wrong constant makes an error of {found} roundings only");
+    let has = |scene: &FluidScene| {
+        let solver = solver(scene);
+        let schedule = solver.schedule();
+        let buffers = schedule.buffers.iter().any(|buffer| buffer.name == "drifts");
+        assert_eq!(solver.shader("integrate").unwrap().contains("drift"), buffers);
+        assert_eq!(schedule.passes.iter().any(|pass| pass.name == "xsph"), buffers);
+        buffers
+    };
+    assert!(has(&scenes[0]) && !has(&dam_break(0.05)), "only a plan that asks for it has pass and buffer");
+}
+
+/// The largest error of what friction takes of accelerations, relative to them, and how many particles it does not touch, slows down
+/// and holds.
+fn friction_error(scene: &FluidScene, patch: Option<(&'static str, &'static str)>) -> (f64, [usize; 3]) {
+    let plan = Plan::new(scene).unwrap();
+    let (positions, mut velocities) = stirred(&plan);
+    // Every other one is slow enough to be held.
+    velocities.iter_mut().step_by(2).for_each(|v| *v *= 1e-3);
+    let positions: Vec<Vec3> = positions.into_iter().map(|x| plan.grid.periodic.wrap(x)).collect();
+    let ids: Vec<u32> = (0..positions.len() as u32).collect();
+    let dt = 2e-4;
+    let result = |solver: &mut GpuSolver| {
+        place(solver, &ids, &positions, &velocities);
+        assert_eq!(solver.step(&tick(0, dt)).unwrap().substeps, 1);
+        let order = solver.read(Field::Id).unwrap().integers().unwrap();
+        let mut by_id = |field| solver.read(field).unwrap().sorted_by_id(&order);
+        (by_id(Field::Acceleration).vectors().unwrap(), by_id(Field::Density).scalars().unwrap())
+    };
+    let mut frictionless = scene.clone();
+    frictionless.boundaries.iter_mut().for_each(|boundary| boundary.friction = Friction::default());
+    let (before, density) = result(&mut solver(&frictionless));
+    let (after, _) = result(&mut solver_with(scene, GpuOptions { patch, ..Default::default() }));
+    let p = &plan.parameters;
+    let (kernel, rest, dt) = (p.kernel().unwrap(), f64::from(p.rest_density), f64::from(dt));
+    let period = plan.grid.periodic.lengths().as_dvec3();
+    let (mut worst, mut kinds) = (0.0f64, [0; 3]);
+    for a in 0..positions.len() {
+        let rho = f64::from(density[a]);
+        let term = p.pressure_law.pressure(rest, rho).max(0.0) / (rho * rho);
+        let mut pushes = [glam::DVec3::ZERO; 2];
+        for (k, &at) in plan.boundary.positions.iter().enumerate() {
+            let mut x = positions[a].as_dvec3() - at.as_dvec3();
+            for axis in (0..3).filter(|&axis| period[axis] > 0.0) {
+                x[axis] -= period[axis] * (x[axis] / period[axis]).round();
+            }
+            let weight = rest * f64::from(plan.boundary.volumes[k] / p.gradient_calibration);
+            let push = -weight * term * kernel.derivative_over_r(x.length()) * x;
+            for (sum, coefficient) in pushes.iter_mut().zip(plan.boundary.frictions[k]) {
+                *sum += f64::from(coefficient) * push;
+            }
+        }
+        let [most, sliding] = pushes.map(glam::DVec3::length);
+        let velocity = velocities[a].as_dvec3() + dt * before[a].as_dvec3();
+        let along = velocity - pushes[0] * velocity.dot(pushes[0]) / (most * most).max(1e-30);
+        let speed = along.length();
+        let (kind, expected) = match most {
+            0.0 => (0, glam::DVec3::ZERO),
+            _ if speed > most * dt => (1, sliding * along / speed),
+            _ => (2, along / dt),
+        };
+        kinds[kind] += 1;
+        let found = (before[a] - after[a]).as_dvec3();
+        let size = before[a].as_dvec3().length() + most + 1.0;
+        worst = worst.max((found - expected).length() / size);
+    }
+    (worst, kinds)
+}
+
+#[test]
+fn friction_takes_what_coulomb_says() {
+    let rough = |mut scene: FluidScene| {
+        scene.settings.sound_speed = Some(10.0);
+        scene.settings.allow_compressible = true;
+        scene.boundaries[0].friction = Friction { at_rest: 0.8, sliding: 0.3 };
+        scene.boundaries.iter_mut().skip(1).for_each(|boundary| boundary.velocity = Vec3::ZERO);
+        scene
+    };
+    for scene in [rough(dam_break(0.05)), rough(channel())] {
+        let (error, kinds) = friction_error(&scene, None);
+        assert!(error < 3e-4 && kinds.iter().all(|&count| count > 10), "{error:e}, {kinds:?}");
+    }
+    let scene = rough(dam_break(0.05));
+    let (error, _) = friction_error(&scene, Some(("coefficients.y * part", "1.02 * coefficients.y * part")));
+    assert!(error > 1e-3, "a wrong constant makes an error of {error:e} only");
+    let names = |scene: &FluidScene| {
+        let solver = solver(scene);
+        let schedule = solver.schedule();
+        let pass = schedule.passes.iter().any(|pass| pass.name == "friction");
+        (pass, schedule.buffers.iter().any(|buffer| buffer.name == "wall_frictions"))
+    };
+    assert_eq!((names(&scene), names(&dam_break(0.05))), ((true, true), (false, false)));
+}
+
 #[test]
 fn a_wrong_constant_would_be_noticed() {
     for (patch, index) in [

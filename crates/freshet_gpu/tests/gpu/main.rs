@@ -13,4 +13,5 @@ mod lowering;
 mod pipelined;
 mod reconfigure;
 mod reference;
+mod rest;
 mod sorting;

@@ -35,7 +35,7 @@ pub struct HeatMap {
 }
 
 const CELL: (i32, i32) = (74, 26);
-const ROW_HEAD: i32 = 240;
+const ROW_HEAD: i32 = 320;
 const COLUMN_HEAD: i32 = 92;
 /// So that the notes fit.
 const LEAST_WIDTH: i32 = 860;

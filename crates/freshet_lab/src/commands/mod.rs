@@ -9,6 +9,7 @@ pub mod bench;
 pub mod column;
 pub mod dam_break;
 pub mod float;
+pub mod leaks;
 pub mod peers;
 pub mod report;
 pub mod stability;
@@ -23,6 +24,8 @@ pub enum Command {
     Column(column::ColumnArgs),
     /// A rapier ball of half the density of water: draft, heave, momentum ledger, at several latencies.
     Float(float::FloatArgs),
+    /// Thin walls, moving walls and every shape under fire: nothing may get through.
+    Leaks(leaks::LeaksArgs),
     /// Every case of the registry against exact solutions and measurements, at three resolutions.
     Validate(validate::ValidateArgs),
     /// The largest stable step for every kernel, number of neighbours, speed of sound and equation of state.
@@ -42,6 +45,7 @@ impl Command {
             Command::DamBreak(args) => dam_break::run(args),
             Command::Column(args) => column::run(args),
             Command::Float(args) => float::run(args),
+            Command::Leaks(args) => leaks::run(args),
             Command::Validate(args) => validate::run(args),
             Command::Stability(args) => stability::run(args),
             Command::Bench(args) => bench::run(args),

@@ -1,5 +1,6 @@
 //! `report`: the charts, tables and pictures of the last runs on one page, for people who would rather look than read.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -37,11 +38,16 @@ struct Section {
 }
 
 /// In the order of the page; the cases of `validate` come after these.
-const SECTIONS: [Section; 6] = [
+const SECTIONS: [Section; 7] = [
     Section {
         stem: "dam_break",
         head: "Dam break",
         about: "The front of the water against the experiments of Martin & Moyce 1952 and Lobovsky et al. 2014.",
+    },
+    Section {
+        stem: "dam_break_dfsph",
+        head: "Dam break, incompressible",
+        about: "The same fronts by divergence-free SPH, with a tenth of the substeps.",
     },
     Section {
         stem: "column",
@@ -77,6 +83,8 @@ pub fn run(args: &ReportArgs) -> Result<Verdict, LabError> {
 
 /// A page and how many charts and pictures it shows.
 struct Page {
+    /// Links to its sections.
+    contents: String,
     html: String,
     figures: usize,
 }
@@ -86,12 +94,10 @@ fn page(folders: &[PathBuf]) -> Result<Page, LabError> {
     for folder in folders {
         files.extend(files_of(folder)?);
     }
-    let mut page = Page { html: HEAD.to_owned(), figures: 0 };
-    page.html += "<h1>Freshet in the laboratory</h1>\n<p>Orange or open marks are measurements and exact solutions; blue is \
-                  Freshet, the darker the finer. Each table has the command that makes it again.</p>\n";
+    let mut page = Page { contents: String::new(), html: String::new(), figures: 0 };
     for picture in files.iter().filter(|path| has_ending(path, "png")) {
         let bytes = fs::read(picture).map_err(LabError::file(picture))?;
-        let name = picture.file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
+        let name = title(&picture.file_stem().unwrap_or_default().to_string_lossy());
         page.html += &format!(
             "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
             escaped(&name),
@@ -99,21 +105,29 @@ fn page(folders: &[PathBuf]) -> Result<Page, LabError> {
         );
         page.figures += 1;
     }
-    let cases = CASES.iter().map(|case| Section { stem: case.name, head: case.name, about: case.about });
-    let mut shown: Vec<String> = Vec::new();
-    for section in SECTIONS.into_iter().chain(cases) {
-        shown.push(section.stem.to_owned());
-        add(&mut page, &files, section.stem, section.head, section.about)?;
-    }
-    for path in files.iter().filter(|path| has_ending(path, "svg") || has_ending(path, "csv")) {
+    let sections =
+        SECTIONS.into_iter().map(|section| (section.stem.to_owned(), section.head.to_owned(), section.about));
+    let cases = CASES.iter().map(|case| (case.name.to_owned(), title(case.name), case.about));
+    let others = files.iter().filter(|path| has_ending(path, "svg") || has_ending(path, "csv")).map(|path| {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if !shown.contains(&stem) {
-            add(&mut page, &files, &stem, &stem.replace('_', " "), "")?;
-            shown.push(stem);
+        let head = title(&stem);
+        (stem, head, "")
+    });
+    let mut shown = BTreeSet::new();
+    for (stem, head, about) in sections.chain(cases).chain(others) {
+        if shown.insert(stem.clone()) {
+            add(&mut page, &files, &stem, &head, about)?;
         }
     }
-    page.html += "</body>\n</html>\n";
+    page.html = format!("{HEAD}{INTRODUCTION}<nav>{}</nav>\n{}</body>\n</html>\n", page.contents, page.html);
     Ok(page)
+}
+
+/// A file's or a case's name as a head line.
+fn title(name: &str) -> String {
+    let words = name.replace(['_', '-'], " ").replace("dfsph", "DFSPH");
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Files of a folder, by name.
@@ -138,7 +152,11 @@ fn add(page: &mut Page, files: &[PathBuf], stem: &str, head: &str, about: &str) 
     if chart.is_none() && table.is_none() {
         return Ok(());
     }
-    page.html += &format!("<h2>{}</h2>\n<p>{}</p>\n", escaped(head), escaped(about));
+    page.contents += &format!("<a href=\"#{}\">{}</a>\n", escaped(stem), escaped(head));
+    page.html += &format!("<section id=\"{}\">\n<h2>{}</h2>\n", escaped(stem), escaped(head));
+    if !about.is_empty() {
+        page.html += &format!("<p>{}.</p>\n", escaped(&sentence(about)));
+    }
     if let Some(path) = chart {
         let svg = fs::read_to_string(path).map_err(LabError::file(path))?;
         // Without what comes before it in a file of its own.
@@ -149,16 +167,26 @@ fn add(page: &mut Page, files: &[PathBuf], stem: &str, head: &str, about: &str) 
         let csv = fs::read_to_string(path).map_err(LabError::file(path))?;
         page.html += &rows(&csv);
     }
+    page.html += "</section>\n";
     Ok(())
 }
 
-/// Comments as text, the rest as a table that opens when asked.
+/// A first letter that is large, and no full stop yet.
+fn sentence(text: &str) -> String {
+    let mut letters = text.trim_end_matches('.').chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The first comment as text, the others and the rest as a table that opens when asked.
 fn rows(csv: &str) -> String {
-    let mut text = String::new();
-    for comment in csv.lines().filter_map(|line| line.strip_prefix('#')) {
-        text += &format!("<p class=\"note\">{}</p>\n", escaped(comment.trim()));
-    }
-    text += "<details><summary>Numbers</summary>\n<table>\n";
+    let mut comments = csv
+        .lines()
+        .filter_map(|line| line.strip_prefix('#'))
+        .map(|line| format!("<p class=\"note\">{}</p>\n", code(line.trim())));
+    let mut text = comments.next().unwrap_or_default();
+    text += "<details><summary>Numbers</summary>\n";
+    text.extend(comments);
+    text += "<table>\n";
     for (index, line) in csv.lines().filter(|line| !line.starts_with('#')).enumerate() {
         let tag = if index == 0 { "th" } else { "td" };
         let cells: String = cells(line).map(|cell| format!("<{tag}>{}</{tag}>", escaped(&cell))).collect();
@@ -184,6 +212,12 @@ fn cells(line: &str) -> impl Iterator<Item = String> {
     cells.into_iter()
 }
 
+/// Text with what is between backticks as code.
+fn code(text: &str) -> String {
+    let parts = text.split('`').map(escaped).enumerate();
+    parts.map(|(index, part)| if index % 2 == 1 { format!("<code>{part}</code>") } else { part }).collect()
+}
+
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
@@ -197,17 +231,26 @@ const HEAD: &str = r#"<!DOCTYPE html>
 body { font: 16px/1.5 system-ui, sans-serif; color: #22262b; background: #fff; max-width: 1340px; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 2rem; margin-bottom: 0; }
 h2 { margin: 3rem 0 0; border-top: 1px solid #e2e5e8; padding-top: 1rem; }
+p { max-width: 80ch; }
+nav { display: flex; flex-wrap: wrap; gap: .4rem 1.2rem; margin: 1.5rem 0; }
+a { color: #0b4586; }
 figure { margin: 1rem 0; overflow-x: auto; }
-figure img, figure svg { max-width: 100%; height: auto; }
+figure img, figure svg { display: block; max-width: 100%; height: auto; margin: 0 auto; }
 figcaption, .note { color: #5b636b; font-size: .9rem; margin: .2rem 0; }
+figcaption { text-align: center; }
+code { font: .92em ui-monospace, monospace; background: #f4f5f6; padding: 0 .25em; border-radius: 3px; }
 details { margin: .5rem 0; }
-table { border-collapse: collapse; font: 13px/1.4 ui-monospace, monospace; display: block; overflow-x: auto; max-height: 30rem; }
+summary { cursor: pointer; }
+table { border-collapse: collapse; font: 13px/1.4 ui-monospace, monospace; display: block; overflow: auto; max-height: 30rem; margin-top: .5rem; }
 td, th { padding: .15rem .6rem; text-align: right; white-space: nowrap; }
 th { position: sticky; top: 0; background: #f4f5f6; }
 </style>
 </head>
 <body>
 "#;
+
+const INTRODUCTION: &str = "<h1>Freshet in the laboratory</h1>\n<p>Open marks and dashed lines are measurements, exact solutions and bounds; \
+                            blue is Freshet, the darker the finer. Under each chart is the command that makes it again.</p>\n";
 
 #[cfg(test)]
 mod tests {
@@ -227,12 +270,14 @@ mod tests {
         for wanted in [
             "<h2>Speed</h2>",
             "<svg width=\"4\"><text>speed</text></svg>",
-            "<h2>something else</h2>",
-            "<h2>only numbers</h2>",
-            "how it is made: `a &lt; b`",
+            "<h2>Something else</h2>",
+            "<h2>Only numbers</h2>",
+            "<a href=\"#bench\">Speed</a>",
+            "<section id=\"bench\">",
+            "how it is made: <code>a &lt; b</code>",
             "<th>name</th><th>value</th>",
             "<td>one, two</td><td>3</td>",
-            "alt=\"picture of water\" src=\"data:image/png;base64,bm90IHJlYWxseQ==\"",
+            "alt=\"Picture of water\" src=\"data:image/png;base64,bm90IHJlYWxseQ==\"",
         ] {
             assert!(page.html.contains(wanted), "{wanted} is missing in\n{}", page.html);
         }

@@ -41,6 +41,44 @@ pub fn floor_pressure(
     Some(pressure + f64::from(rest_density) * f64::from(gravity) * height)
 }
 
+/// Pressure against height in a fluid at rest, over bins of a given thickness above a floor at height zero.
+///
+/// A bin's pressure is the mean over the particles in it, and its height the mean of theirs, so that a linear profile is found as
+/// it is whatever the particles' order. The bins are one support radius thick: sums over neighbours resolve nothing smaller, and
+/// pressures may alternate from layer to layer without any force.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PressureProfile {
+    bin: f64,
+    /// Number, sum of heights and of pressures in each bin.
+    sums: Vec<[f64; 3]>,
+}
+
+impl PressureProfile {
+    /// Bins of `bin` metres up to `depth`; the last is as thick as is left.
+    pub fn new(depth: f64, bin: f64) -> Self {
+        Self { bin, sums: vec![[0.0; 3]; (depth / bin - 1e-6).ceil().max(1.0) as usize] }
+    }
+
+    /// Adds a particle; one above the last bin counts as in it.
+    pub fn add(&mut self, height: f32, pressure: f32) {
+        let index = ((f64::from(height) / self.bin).max(0.0) as usize).min(self.sums.len() - 1);
+        for (sum, value) in self.sums[index].iter_mut().zip([1.0, f64::from(height), f64::from(pressure)]) {
+            *sum += value;
+        }
+    }
+
+    /// Height in m and pressure in Pa of each bin with particles, from the floor up.
+    pub fn points(&self) -> impl Iterator<Item = (f64, f64)> {
+        let filled = self.sums.iter().filter(|sums| sums[0] > 0.0);
+        filled.map(|&[count, height, pressure]| (height / count, pressure / count))
+    }
+
+    /// Root mean square over the bins of what differs from `reference` at a bin's height, Pa; none without particles.
+    pub fn deviation(&self, reference: impl Fn(f64) -> f64) -> Option<f64> {
+        mean(self.points().map(|(height, pressure)| (pressure - reference(height)).powi(2))).map(f64::sqrt)
+    }
+}
+
 /// Mean of the first `count` heights in an order.
 fn extreme_heights(positions: &[Vec3], count: usize, order: impl Fn(f32, f32) -> std::cmp::Ordering) -> Option<f64> {
     let mut heights: Vec<f32> = positions.iter().map(|position| position.y).collect();
@@ -87,6 +125,28 @@ mod tests {
         let pressures: Vec<f32> = positions.iter().map(|position| 1000.0 * 9.81 * (2.0 - position.y)).collect();
         let pressure = floor_pressure(&positions, &pressures, 100, 1000.0, 9.81);
         assert!(pressure.is_some_and(|pressure| (pressure - 19_620.0).abs() < 0.1), "{pressure:?}");
+    }
+
+    #[test]
+    fn a_linear_profile_is_found_as_it_is_and_one_that_alternates_as_its_mean() {
+        let reference = |height: f64| 9810.0 * (2.0 - height);
+        let (mut right, mut alternating, mut low) =
+            (PressureProfile::new(2.0, 0.2), PressureProfile::new(2.0, 0.2), PressureProfile::new(2.0, 0.2));
+        for (index, x) in column().into_iter().enumerate() {
+            let pressure = reference(f64::from(x.y)) as f32;
+            right.add(x.y, pressure);
+            alternating.add(x.y, pressure + if index / 100 % 2 == 0 { 500.0 } else { -500.0 });
+            low.add(x.y, 0.9 * pressure);
+        }
+        assert_eq!(right.points().count(), 10);
+        for profile in [&right, &alternating] {
+            let off = profile.deviation(reference);
+            assert!(off.is_some_and(|off| off < 0.1), "{off:?}");
+        }
+        // A tenth of the root mean square of 0.1, 0.3, ... 1.9 m of water.
+        let off = low.deviation(reference);
+        assert!(off.is_some_and(|off| (off - 981.0 * 1.33_f64.sqrt()).abs() < 0.1), "{off:?}");
+        assert_eq!(PressureProfile::new(1.0, 0.3).deviation(reference), None);
     }
 
     #[test]

@@ -52,12 +52,17 @@ fn center() -> Vec3 {
 
 /// 2,000 particles in an open container whose floor is at y = 0.
 pub fn scene(container: Container) -> Result<FluidScene, SceneError> {
-    let column = Vec3::new(BASE as f32, DEPTH as f32, BASE as f32);
-    let size = Vec3::new(BASE as f32, WALLS as f32, BASE as f32);
+    scene_of(container, BASE as f32, SPACING as f32)
+}
+
+/// The same depth of water on a square base of another edge and of another spacing, m.
+pub fn scene_of(container: Container, base: f32, spacing: f32) -> Result<FluidScene, SceneError> {
+    let column = Vec3::new(base, DEPTH as f32, base);
+    let size = Vec3::new(base, WALLS as f32, base);
     let mut scene = FluidScene {
         name: "column".to_owned(),
         volumes: vec![Volume::block(column / 2.0, Vec3::new(0.0, column.y / 2.0, 0.0))],
-        ..FluidScene::with_spacing(SPACING as f32)
+        ..FluidScene::with_spacing(spacing)
     };
     match container {
         Container::Walls => scene.boundaries.push(Boundary::open_box(size, center())),
@@ -87,6 +92,8 @@ mod tests {
             assert!((lowest + depth).abs() < 1e-5, "samples {depth} below the floor, not {lowest}");
         }
         assert!((BASE / SPACING).powi(2) as usize == PER_LAYER);
+        let finer = Plan::new(&scene_of(Container::Walls, DEPTH as f32, DEPTH as f32 / 12.0)?)?;
+        assert_eq!(finer.positions.len(), 12 * 12 * 12);
         Ok(())
     }
 }

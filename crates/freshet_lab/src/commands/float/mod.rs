@@ -14,8 +14,9 @@ pub use sway::Sway;
 use crate::backend::Backend;
 use crate::error::LabError;
 use crate::measure::statistics::mean;
+use crate::method::Method;
 use crate::options::{BackendChoice, CommonOptions, ThreadOption};
-use crate::output::Output;
+use crate::output::{Output, say, say_files};
 use crate::progress::Progress;
 use crate::verdict::{Bound, Verdict};
 
@@ -46,6 +47,9 @@ pub struct FloatArgs {
     /// Time to simulate, s, 3 to 600 [default: 20; quick: 4].
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
+    /// How pressure is found. Files of another method than the default have its name; the GPU is left out where it cannot.
+    #[arg(long, value_enum, default_value_t)]
+    pub method: Method,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -109,6 +113,8 @@ pub const LEDGER_BOUND: f64 = 1e-4;
 pub struct Case {
     /// Where.
     pub backend: Backend,
+    /// How pressure is found.
+    pub method: Method,
     /// Which pool and ball.
     pub pool: Pool,
     /// How late.
@@ -119,7 +125,8 @@ pub struct Case {
 
 impl std::fmt::Display for Case {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "ball of {} d, {}, {}", self.pool.diameter, self.backend, self.latency)
+        let method = if self.method == Method::default() { String::new() } else { format!("{}, ", self.method.name()) };
+        write!(f, "ball of {} d, {method}{}, {}", self.pool.diameter, self.backend, self.latency)
     }
 }
 
@@ -154,9 +161,19 @@ impl FloatArgs {
         let seconds = self.seconds.unwrap_or(if quick { 4.0 } else { 20.0 });
         let mut cases = Vec::new();
         for &backend in self.common.backends(BackendChoice::Both) {
+            if backend == Backend::Gpu && self.method == Method::DivergenceFree {
+                say("left out: the GPU, which has no DFSPH with bodies yet");
+                continue;
+            }
             let count = if backend == Backend::Gpu { 1 } else { pools.len() };
             for &pool in &pools[..count] {
-                cases.extend(latencies.iter().map(|&latency| Case { backend, pool, latency, seconds }));
+                cases.extend(latencies.iter().map(|&latency| Case {
+                    backend,
+                    method: self.method,
+                    pool,
+                    latency,
+                    seconds,
+                }));
             }
         }
         Ok(cases)
@@ -173,11 +190,11 @@ pub fn run(args: &FloatArgs) -> Result<Verdict, LabError> {
         progress.begin(case.to_string(), case.work());
         let solver = |plan| case.backend.open(plan, args.threads.count());
         runs.push(simulate(case, solver, &mut progress)?);
-        report::write(&output, &runs)?;
+        report::write(&output, args.method, &runs)?;
     }
     drop(progress);
-    println!("{}", report::table(&runs));
-    println!("written: {}", report::FILES.map(|file| output.path(file).display().to_string()).join(", "));
+    say(report::table(&runs));
+    say_files(&output, &report::files(args.method).each_ref().map(String::as_str));
     Ok(verdict(&runs))
 }
 
@@ -206,7 +223,8 @@ mod tests {
 
     fn afloat(draft: f64, swell: f64) -> Result<Run, LabError> {
         let pool = Pool::for_ball(6).ok_or(LabError::Measure { what: "a pool", reason: "no such size".to_owned() })?;
-        let case = Case { backend: Backend::Cpu, pool, latency: Latency::Ticks(2), seconds: 20.0 };
+        let case =
+            Case { backend: Backend::Cpu, method: Method::default(), pool, latency: Latency::Ticks(2), seconds: 20.0 };
         let steady = |value: f64| (1..=1200).map(|tick| (f64::from(tick) / 60.0, value)).collect::<Curve>();
         let heave = |time: f64| 0.6 + 0.005 * (swell * time).exp() * (7.0 * time).sin();
         Ok(Run {

@@ -6,16 +6,21 @@ use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::error::LabError;
 use crate::measure::curve::Curve;
 use crate::measure::statistics::mean;
+use crate::method::Method;
 use crate::output::{Csv, Output};
 use crate::table::Table;
 
 /// Files of the command.
-pub const FILES: [&str; 2] = ["float.csv", "float.svg"];
+pub fn files(method: Method) -> [String; 2] {
+    let suffix = method.suffix();
+    [format!("float{suffix}.csv"), format!("float{suffix}.svg")]
+}
 
 /// Writes the files for all runs so far.
-pub fn write(output: &Output, runs: &[Run]) -> Result<(), LabError> {
-    output.write(FILES[0], csv(runs).text())?;
-    chart::draw(output, FILES[1], &chart(runs))?;
+pub fn write(output: &Output, method: Method, runs: &[Run]) -> Result<(), LabError> {
+    let [table, drawing] = files(method);
+    output.write(&table, csv(method, runs).text())?;
+    chart::draw(output, &drawing, &chart(runs))?;
     Ok(())
 }
 
@@ -52,9 +57,15 @@ pub fn table(runs: &[Run]) -> Table {
     table
 }
 
-fn csv(runs: &[Run]) -> Csv {
-    let comment = "Freshet, floating ball: `cargo run --release -p freshet_lab -- float`. Drafts over the diameter; \
-                   impulse of the fluid in the tick that ends at the time.";
+fn csv(method: Method, runs: &[Run]) -> Csv {
+    let option = match method {
+        Method::WeaklyCompressible => "",
+        Method::DivergenceFree => " --method divergence-free",
+    };
+    let comment = format!(
+        "Freshet, floating ball: `cargo run --release -p freshet_lab -- float{option}`. Drafts over the diameter; impulse of the fluid \
+         in the tick that ends at the time."
+    );
     let columns = [
         "diameter_in_spacings",
         "backend",
@@ -66,7 +77,7 @@ fn csv(runs: &[Run]) -> Csv {
         "velocity_m_s",
         "impulse_n_s",
     ];
-    let mut csv = Csv::new([comment], &columns);
+    let mut csv = Csv::new([comment.as_str()], &columns);
     for run in runs {
         let case = [run.case.pool.diameter.to_string(), run.case.backend.to_string(), run.case.latency.to_string()];
         let curves = [&run.height, &run.draft, &run.draft_by_surface, &run.velocity, &run.impulse];

@@ -12,6 +12,7 @@ use rapier3d::geometry::ColliderBuilder;
 use rapier3d::pipeline::PhysicsWorld;
 
 use crate::error::LabError;
+use crate::method::Method;
 use crate::scenes::GRAVITY;
 
 /// Density of the ball, kg/m3.
@@ -95,7 +96,7 @@ pub struct Scene {
 }
 
 /// Builds a pool, floor at y = 0 around the origin.
-pub fn scene(pool: &Pool) -> Result<Scene, LabError> {
+pub fn scene(pool: &Pool, method: Method) -> Result<Scene, LabError> {
     let (width, depth) = (pool.width as f32 * SPACING, pool.depth as f32 * SPACING);
     let walls = depth + (HEADROOM + pool.diameter) as f32 * SPACING;
     let mut world = PhysicsWorld::new();
@@ -108,7 +109,7 @@ pub fn scene(pool: &Pool) -> Result<Scene, LabError> {
         ColliderBuilder::ball(pool.radius()).density(BALL_DENSITY),
     );
     insert_walls(&mut world, width, walls);
-    let mut fluid = fluid(pool, width, depth, walls);
+    let mut fluid = method.on(fluid(pool, width, depth, walls));
     let ball_body = body_from_rigid_body("ball", &world.bodies[ball], &world.colliders, &fluid.wall_layer()?)
         .map_err(|error| LabError::Measure { what: "the ball", reason: error.to_string() })?;
     fluid.bodies.push(ball_body);
@@ -188,7 +189,7 @@ mod tests {
     #[test]
     fn no_water_is_left_in_the_ball() {
         let pool = Pool::for_ball(6).unwrap();
-        let scene = scene(&pool).unwrap();
+        let scene = scene(&pool, Method::default()).unwrap();
         let center = scene.world.bodies[scene.ball].translation();
         let mut left = vec![true; scene.plan.positions.len()];
         for command in &scene.carve {

@@ -71,7 +71,7 @@ pub fn simulate(
     open: impl FnOnce(Plan) -> Result<Box<dyn FluidSolver>, LabError>,
     progress: &mut Progress,
 ) -> Result<Run, LabError> {
-    let Scene { plan, mut carve, mut world, ball, water } = scene(&case.pool)?;
+    let Scene { plan, mut carve, mut world, ball, water } = scene(&case.pool, case.method)?;
     let mut solver = open(plan)?;
     let mut coupling = Coupling::new([ball], 0);
     let mut clock = SceneRun::new();

@@ -22,13 +22,55 @@ pub fn write(output: &Output, found: &[Found]) -> Result<(), LabError> {
     Ok(())
 }
 
+const COLUMNS: [&str; 8] =
+    ["backend", "scene", "option", "kernel", "neighbours", "sound_over_speed", "stable_cfl", "failure"];
+/// Where there is nothing.
+const NONE: &str = "none";
+
+/// What an earlier run left in the folder; nothing if there was none.
+pub fn read(output: &Output) -> Result<Vec<Found>, LabError> {
+    let path = output.path(FILES[0]);
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = std::fs::read_to_string(&path).map_err(LabError::file(&path))?;
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    let bad = |line: &str| LabError::Argument {
+        argument: "--options",
+        reason: format!("{} has a line that is none of this command's: {line}; try without", path.display()),
+    };
+    match lines.next() {
+        Some(head) if head == COLUMNS.join(",") => {}
+        head => return Err(bad(head.unwrap_or_default())),
+    }
+    lines.map(|line| parse(line).ok_or_else(|| bad(line))).collect()
+}
+
+fn parse(line: &str) -> Option<Found> {
+    let cells: Vec<&str> = line.split(',').collect();
+    let &[backend, situation, option, kernel, neighbours, sound, stable, failure] = &cells[..] else { return None };
+    let failures = [Failure::Lost, Failure::Energy, Failure::Compression, Failure::Crowded];
+    let configuration = Configuration {
+        backend: [Backend::Cpu, Backend::Gpu].into_iter().find(|known| known.name() == backend)?,
+        situation: Situation::ALL.into_iter().find(|known| known.name() == situation)?,
+        option: SolverOption::ALL.into_iter().find(|known| known.name() == option)?,
+        kernel: KernelKind::WITH_GRADIENT.into_iter().find(|known| known.name() == kernel)?,
+        neighbours: neighbours.parse().ok()?,
+        sound: if sound == NONE { Configuration::SOUND } else { sound.parse().ok()? },
+    };
+    let failure = match failure {
+        NONE => None,
+        name => Some(failures.into_iter().find(|known| known.name() == name)?),
+    };
+    Some(Found { configuration, stable: stable.parse().ok()?, failure, runs: 0 })
+}
+
 fn csv(found: &[&Found]) -> Csv {
     let comments = [
-        "Freshet, largest stable step as a CFL number dt (c + v) / h: `cargo run --release -p freshet_lab -- stability`.",
+        "Freshet, largest stable step as a CFL number dt (c + v) / h, of DFSPH dt v / d: `cargo run --release -p freshet_lab -- stability`.",
         "failure: how the smallest step failed that was not stable; none: the largest tried was stable.",
     ];
-    let columns = ["backend", "scene", "option", "kernel", "neighbours", "sound_over_speed", "stable_cfl", "failure"];
-    let mut csv = Csv::new(comments, &columns);
+    let mut csv = Csv::new(comments, &COLUMNS);
     for Found { configuration: of, stable, failure, .. } in found {
         csv.row([
             of.backend.name(),
@@ -36,9 +78,9 @@ fn csv(found: &[&Found]) -> Csv {
             of.option.name(),
             of.kernel.name(),
             &of.neighbours.to_string(),
-            &of.sound.to_string(),
+            &if of.option.has_sound() { of.sound.to_string() } else { NONE.to_owned() },
             &format!("{stable:.3}"),
-            failure.map_or("none", Failure::name),
+            failure.map_or(NONE, Failure::name),
         ]);
     }
     csv
@@ -76,17 +118,20 @@ fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     })
 }
 
-/// Kernels and numbers of neighbours down, scenes, pressures and speeds of sound across.
+/// Scenes, kernels and numbers of neighbours down, options and speeds of sound across.
 fn map(found: &[&Found]) -> HeatMap {
     let of = || found.iter().map(|found| found.configuration);
     let kernels: Vec<KernelKind> = distinct(of().map(|of| of.kernel));
     let mut neighbours: Vec<f32> = distinct(of().map(|of| of.neighbours));
-    let mut sounds: Vec<f32> = distinct(of().map(|of| of.sound));
+    let mut sounds: Vec<f32> = distinct(of().filter(|of| of.option.has_sound()).map(|of| of.sound));
     neighbours.sort_by(f32::total_cmp);
     sounds.sort_by(f32::total_cmp);
-    let groups: Vec<(Backend, SolverOption, Situation)> =
-        distinct(of().map(|of| (of.backend, of.option, of.situation)));
+    let groups: Vec<(Backend, SolverOption)> = distinct(of().map(|of| (of.backend, of.option)));
+    let situations: Vec<Situation> =
+        Situation::ALL.into_iter().filter(|situation| of().any(|of| of.situation == *situation)).collect();
+    let blocks = || situations.iter().flat_map(|&situation| kernels.iter().map(move |&kernel| (situation, kernel)));
     let backends = distinct(of().map(|of| of.backend));
+    let sounds_of = |option: SolverOption| if option.has_sound() { &sounds[..] } else { &[Configuration::SOUND] };
     let cell = |wanted: Configuration| {
         let found = found.iter().find(|found| found.configuration == wanted)?;
         // From a tenth to four in the logarithm.
@@ -95,11 +140,11 @@ fn map(found: &[&Found]) -> HeatMap {
         Some(Cell { shade, label: label.trim().to_owned() })
     };
     let mut cells = Vec::new();
-    for &kernel in &kernels {
+    for (situation, kernel) in blocks() {
         for &neighbours in &neighbours {
-            let of_group = |&(backend, option, situation): &(Backend, SolverOption, Situation)| {
+            let of_group = |&(backend, option): &(Backend, SolverOption)| {
                 let wanted = |&sound: &f32| Configuration { backend, option, kernel, neighbours, sound, situation };
-                sounds.iter().map(wanted).map(cell).collect::<Vec<_>>()
+                sounds_of(option).iter().map(wanted).map(cell).collect::<Vec<_>>()
             };
             cells.push(groups.iter().flat_map(of_group).collect());
         }
@@ -112,19 +157,24 @@ fn map(found: &[&Found]) -> HeatMap {
             format!("Above that number the run fails by {}.", letters.join(", ")),
             "h is half the support radius, v the largest speed in the flow; c over the largest speed expected in the head."
                 .to_owned(),
+            "DFSPH has no sound: its number is dt v / d, and its steps are limited by pressure, too.".to_owned(),
         ],
         columns: groups
             .iter()
-            .map(|(backend, option, situation)| {
-                let names = sounds.iter().map(|sound| format!("c = {sound} v")).collect();
+            .map(|(backend, option)| {
+                let name = |sound: &f32| match option.has_sound() {
+                    true => format!("c = {sound} v"),
+                    false => "dt v / d".to_owned(),
+                };
+                let names = sounds_of(*option).iter().map(name).collect();
                 let of = if backends.len() > 1 { format!(", {backend}") } else { String::new() };
-                (format!("{}, {}{of}", situation.name(), option.name()), names)
+                (format!("{}{of}", option.name()), names)
             })
             .collect(),
-        rows: kernels
-            .iter()
-            .map(|kernel| {
-                (kernel.name().to_owned(), neighbours.iter().map(|count| format!("{count} neighbours")).collect())
+        rows: blocks()
+            .map(|(situation, kernel)| {
+                let names = neighbours.iter().map(|count| format!("{count} neighbours")).collect();
+                (format!("{}, {}", situation.name(), kernel.name().replace('_', " ")), names)
             })
             .collect(),
         cells,

@@ -13,6 +13,7 @@ use crate::backend::Backend;
 use crate::drive::Drive;
 use crate::error::LabError;
 use crate::measure::spacing::nearest_distances;
+use crate::method::Method;
 
 /// What is asked of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,11 +71,15 @@ pub enum SolverOption {
     NearPressure,
     /// Morris' viscosity in place of Monaghan's, as large as that acts: `nu = alpha c h / 10` (Monaghan 2005, eq. 8.8).
     Morris,
+    /// Divergence-free SPH with its default tolerances, on the CPU. Its number is the way of the fastest particle in a step over the
+    /// spacing, `v dt / d`; steps are limited by the pressure, too, as in every plan: in water at rest nothing goes any way.
+    DivergenceFree,
 }
 
 impl SolverOption {
     /// All of them, the plan's default first.
-    pub const ALL: [Self; 5] = [Self::Tait, Self::Linear, Self::Tension, Self::NearPressure, Self::Morris];
+    pub const ALL: [Self; 6] =
+        [Self::Tait, Self::Linear, Self::Tension, Self::NearPressure, Self::Morris, Self::DivergenceFree];
 
     /// Name, as in files and tables.
     pub fn name(self) -> &'static str {
@@ -84,7 +89,18 @@ impl SolverOption {
             Self::Tension => "unclamped",
             Self::NearPressure => "near pressure",
             Self::Morris => "Morris viscosity",
+            Self::DivergenceFree => "DFSPH",
         }
+    }
+
+    /// Name on the command line.
+    pub fn argument(self) -> String {
+        self.name().replace(' ', "-").to_lowercase()
+    }
+
+    /// Whether a speed of sound plays any part.
+    pub fn has_sound(self) -> bool {
+        self != Self::DivergenceFree
     }
 }
 
@@ -99,22 +115,26 @@ pub struct Configuration {
     pub kernel: KernelKind,
     /// Mean number of neighbours.
     pub neighbours: f32,
-    /// Speed of sound over the largest speed expected.
+    /// Speed of sound over the largest speed expected; [`SOUND`](Self::SOUND) where it plays no part.
     pub sound: f32,
     /// Scene.
     pub situation: Situation,
 }
 
 impl Configuration {
+    /// The plan's own speed of sound over the largest speed expected.
+    pub const SOUND: f32 = 10.0;
+
     /// What the plan takes when nothing is said: Tait's equation, Wendland's kernel, H = 2 d (32 to 33 neighbours), c = 10 v.
     pub fn of_defaults(backend: Backend, situation: Situation) -> Self {
         let (option, kernel) = (SolverOption::Tait, KernelKind::WendlandC2);
-        Self { backend, option, kernel, neighbours: 32.0, sound: 10.0, situation }
+        Self { backend, option, kernel, neighbours: 32.0, sound: Self::SOUND, situation }
     }
 
-    /// Whether it is one of these.
+    /// Whether it is one of these, by either way to find pressures.
     pub fn is_default(&self) -> bool {
-        *self == Self::of_defaults(self.backend, self.situation)
+        let tait = Self::of_defaults(self.backend, self.situation);
+        *self == tait || *self == Self { option: SolverOption::DivergenceFree, ..tait }
     }
 
     /// Its place among all.
@@ -147,6 +167,9 @@ impl Configuration {
         scene.settings.clamp_negative_pressure =
             !matches!(self.option, SolverOption::Tension | SolverOption::NearPressure);
         scene.settings.near_pressure = if self.option == SolverOption::NearPressure { 0.01 } else { 0.0 };
+        if self.option == SolverOption::DivergenceFree {
+            scene = Method::DivergenceFree.on(scene);
+        }
         if self.option == SolverOption::Morris {
             let Parameters { artificial_viscosity, smoothing_length, rest_density, .. } = Plan::new(&scene)?.parameters;
             scene.material.dynamic_viscosity =
@@ -160,16 +183,12 @@ impl Configuration {
 
 impl std::fmt::Display for Configuration {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{}, {}, {}, {} neighbours, c = {} v, {}",
-            self.situation.name(),
-            self.option.name(),
-            self.kernel.name(),
-            self.neighbours,
-            self.sound,
-            self.backend
-        )
+        let Self { backend, option, kernel, neighbours, sound, situation } = self;
+        write!(f, "{}, {}, {}, {neighbours} neighbours, ", situation.name(), option.name(), kernel.name())?;
+        if option.has_sound() {
+            write!(f, "c = {sound} v, ")?;
+        }
+        write!(f, "{backend}")
     }
 }
 
@@ -212,7 +231,8 @@ impl Failure {
 /// that this is a hundredth.
 const TICK: f64 = 0.1;
 
-/// Simulates with steps of `number` times `h / (c + v)` and no other limit; says how it failed if it did.
+/// Simulates with steps of `number` times `h / (c + v)` and no other limit (of [`SolverOption::DivergenceFree`]: see there); says how
+/// it failed if it did.
 pub fn survives(configuration: &Configuration, number: f64) -> Result<Option<Failure>, LabError> {
     let mut plan = configuration.plan()?;
     let parameters = &mut plan.parameters;

@@ -4,6 +4,8 @@ pub mod cases;
 mod registry;
 mod study;
 
+use std::time::Instant;
+
 use clap::Args;
 
 pub use registry::{CASES, Case, Findings, Job};
@@ -69,8 +71,14 @@ pub fn run(args: &ValidateArgs) -> Result<Verdict, LabError> {
     for &backend in args.common.backends(BackendChoice::Cpu) {
         let job = Job { backend, quick: args.common.quick, threads: args.threads, output: output.clone() };
         for case in &cases {
+            let begin = Instant::now();
             match (case.run)(&job) {
                 Ok(found) => {
+                    let (seconds, bounds) = (begin.elapsed().as_secs_f64(), found.verdict.checks.len());
+                    let kept = bounds - found.verdict.missed().count();
+                    say(format_args!("{} on the {backend}: {kept} of {bounds} bounds kept, {seconds:.0} s", case.name));
+                    let remarks = found.levels.iter().flat_map(|level| &level.remarks);
+                    remarks.for_each(|remark| say(format_args!("  {remark}")));
                     levels.extend(found.levels.into_iter().map(|level| (case.name, backend, level)));
                     verdict.checks.extend(found.verdict.checks);
                     verdict.unmeasured.extend(found.verdict.unmeasured);

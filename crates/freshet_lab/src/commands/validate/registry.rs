@@ -52,13 +52,15 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 10] = [
+pub const CASES: [&Case; 12] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
     &cases::poiseuille::CASE,
     &cases::couette::CASE,
     &cases::taylor_green::CASE,
+    &cases::hydrostatic::CASE,
+    &cases::hydrostatic::DIVERGENCE_FREE,
     &cases::commands::COLUMN,
     &cases::commands::FLOAT,
     &cases::commands::DAM_BREAK,

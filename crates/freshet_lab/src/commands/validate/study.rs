@@ -32,6 +32,8 @@ pub struct Level {
     pub traces: Vec<Trace>,
     /// Further numbers with bounds.
     pub checks: Vec<Check>,
+    /// Further numbers without, a line each.
+    pub remarks: Vec<String>,
     /// What it cost.
     pub account: Account,
 }
@@ -136,6 +138,10 @@ impl Study {
                 level.error * 100.0,
                 level.account.wall.as_secs_f64()
             ));
+            comments.extend(level.checks.iter().map(|Check { name, value, bound, unit }| {
+                format!("{} particles: {name} {value:.4} {unit} (bound {bound})", level.resolution)
+            }));
+            comments.extend(level.remarks.iter().map(|remark| format!("{} particles: {remark}", level.resolution)));
         }
         let comments = comments.iter().map(String::as_str);
         let mut csv = Csv::new(comments, &["resolution", "trace", self.axes[0], self.axes[1], "reference"]);
@@ -152,8 +158,7 @@ impl Study {
 
     fn chart(&self, levels: &[Level]) -> Chart {
         let mut series = Vec::new();
-        let colours = Colour::BLUES.into_iter().skip(Colour::BLUES.len().saturating_sub(levels.len()));
-        for (level, colour) in levels.iter().zip(colours) {
+        for (level, colour) in levels.iter().zip(colours(levels.len())) {
             series.extend(level.traces.iter().map(|trace| Series {
                 name: format!("{} particles", level.resolution),
                 mark: Mark::Line(2),
@@ -175,34 +180,69 @@ impl Study {
             .filter_map(|pair| Some(format!("{:.2}", order(&pair[0], &pair[1])?)))
             .collect();
         let orders = if orders.is_empty() { String::new() } else { format!("; order {}", orders.join(", ")) };
-        let panel = Panel {
-            title: self.title.to_owned(),
+        let panel = |title: &str, y_label: &str, series: Vec<Series>| Panel {
+            title: title.to_owned(),
             notes: Vec::new(),
             x_label: self.axes[0].to_owned(),
-            y_label: self.axes[1].to_owned(),
+            y_label: y_label.to_owned(),
             x_scale: Scale::Linear,
             x: range(&series, |point| point.0),
             y_scale: Scale::Linear,
             y: range(&series, |point| point.1),
             series,
         };
-        Chart {
-            title: format!("{}: {}{orders}", self.measure, errors.join(", ")),
-            panels: vec![panel],
-            size: (1320, 560),
+        let mut panels = vec![panel(self.title, self.axes[1], series)];
+        let differences = self.differences(levels);
+        if !differences.is_empty() {
+            panels.push(panel("Simulation less reference", self.axes[1], differences));
         }
+        Chart { title: format!("{}: {}{orders}", self.measure, errors.join(", ")), panels, size: (1320, 560) }
     }
+
+    /// How far each level is from the reference, where there is one, and a line for the reference itself.
+    fn differences(&self, levels: &[Level]) -> Vec<Series> {
+        let mut series = Vec::new();
+        for (level, colour) in levels.iter().zip(colours(levels.len())) {
+            series.extend(level.traces.iter().map(|trace| Series {
+                name: format!("{} particles", level.resolution),
+                mark: Mark::Line(2),
+                colour,
+                points: trace.points.iter().map(|&(x, value, reference)| (x, value - reference)).collect(),
+            }));
+        }
+        for series in &mut series {
+            series.points.retain(|point| point.1.is_finite());
+        }
+        series.retain(|series| !series.points.is_empty());
+        if !series.is_empty() {
+            let (low, high) = ends(&series, |point| point.0);
+            let (mark, colour) = (Mark::Dashes(2), Colour::ORANGE);
+            let points = vec![(low, 0.0), (high, 0.0)];
+            series.push(Series { name: "reference".to_owned(), mark, colour, points });
+        }
+        series
+    }
+}
+
+/// Blues for so many levels, the finest the darkest.
+fn colours(levels: usize) -> impl Iterator<Item = Colour> {
+    Colour::BLUES.into_iter().skip(Colour::BLUES.len().saturating_sub(levels))
 }
 
 /// Ends of an axis that holds all points, with some air.
 fn range(series: &[Series], along: fn(&(f64, f64)) -> f64) -> (f64, f64) {
-    let values = || series.iter().flat_map(|series| &series.points).map(along).filter(|value| value.is_finite());
-    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    let (low, high) = ends(series, along);
     if low > high {
         return (0.0, 1.0);
     }
     let air = (0.05 * (high - low)).max(1e-6);
     (low - air, high + air)
+}
+
+/// The least and the largest value of all points.
+fn ends(series: &[Series], along: fn(&(f64, f64)) -> f64) -> (f64, f64) {
+    let values = || series.iter().flat_map(|series| &series.points).map(along).filter(|value| value.is_finite());
+    (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
 }
 
 /// Errors and cost of all cases.
@@ -245,7 +285,7 @@ mod tests {
     fn level(resolution: u32, error: f64) -> Level {
         let account = Account { time_scale: 1.0, substeps: 10, ..Account::default() };
         let traces = vec![Trace { name: "t".to_owned(), points: vec![(0.0, 1.0, f64::NAN), (1.0, 2.0, 2.1)] }];
-        Level { resolution, particles: 8, error, traces, checks: Vec::new(), account }
+        Level { resolution, particles: 8, error, traces, checks: Vec::new(), remarks: Vec::new(), account }
     }
 
     fn study() -> Study {
@@ -289,7 +329,9 @@ mod tests {
         assert!(text.contains("L2 error 1.000 %, observed order 2.00"), "{text}");
         assert!(text.contains("20,t,1.000000,2.000000,2.100000"), "{text}");
         let chart = study().chart(&levels);
-        assert_eq!(chart.panels[0].series.len(), 3);
+        assert_eq!(chart.panels.iter().map(|panel| panel.series.len()).collect::<Vec<_>>(), [3, 3]);
+        let off = chart.panels[1].series[0].points[0];
+        assert!((off.1 + 0.1).abs() < 1e-9, "2.0 less 2.1, not {off:?}");
         assert_eq!(chart.title, "L2 error: 4.00 % at 10, 1.00 % at 20; order 2.00");
     }
 }

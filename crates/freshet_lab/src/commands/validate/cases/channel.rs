@@ -48,7 +48,15 @@ pub fn simulate(
         traces.push(profile(format!("nu t / L^2 = {time}"), points, resolution));
     }
     let account = drive.account().clone();
-    Ok(Level { resolution, particles, error: f64::sqrt(off / whole), traces, checks: Vec::new(), account })
+    Ok(Level {
+        resolution,
+        particles,
+        error: f64::sqrt(off / whole),
+        traces,
+        checks: Vec::new(),
+        remarks: Vec::new(),
+        account,
+    })
 }
 
 /// Mean velocity in each of as many layers as there are particles across.

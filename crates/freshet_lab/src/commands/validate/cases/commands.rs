@@ -45,7 +45,8 @@ pub const FLOAT: Case = Case {
     about: "rapier ball of half the density of water: draft against Archimedes, heave, momentum ledger",
     run: |job: &Job| {
         let (common, threads) = (job.options(), job.threads);
-        found(float::run(&FloatArgs { common, threads, sizes: Vec::new(), latency: Vec::new(), seconds: None }))
+        let method = Method::default();
+        found(float::run(&FloatArgs { common, threads, sizes: Vec::new(), latency: Vec::new(), seconds: None, method }))
     },
 };
 

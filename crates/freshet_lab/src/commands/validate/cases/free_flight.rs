@@ -63,7 +63,15 @@ fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level
     ];
     let traces = vec![Trace { name: "height".to_owned(), points: straight.heights }];
     let particles = (resolution as usize).pow(3);
-    Ok(Level { resolution, particles, error: straight.momentum, traces, checks, account: straight.account })
+    Ok(Level {
+        resolution,
+        particles,
+        error: straight.momentum,
+        traces,
+        checks,
+        remarks: Vec::new(),
+        account: straight.account,
+    })
 }
 
 /// What a flight showed.

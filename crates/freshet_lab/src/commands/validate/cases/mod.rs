@@ -4,6 +4,7 @@ mod channel;
 pub mod commands;
 pub mod couette;
 pub mod free_flight;
+pub mod hydrostatic;
 pub mod poiseuille;
 pub mod pool_drop;
 pub mod relaxing_cube;

@@ -94,6 +94,7 @@ fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level
         error: (late / full - 1.0).abs(),
         traces: vec![Trace { name: "level".to_owned(), points }],
         checks,
+        remarks: Vec::new(),
         account: drive.account().clone(),
     })
 }

@@ -88,6 +88,7 @@ fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level
         error: clumped as f64 / positions.len() as f64,
         traces: vec![Trace { name: "pairs".to_owned(), points }],
         checks,
+        remarks: Vec::new(),
         account: drive.account().clone(),
     })
 }

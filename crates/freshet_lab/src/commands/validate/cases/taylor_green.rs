@@ -69,7 +69,15 @@ fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level
     let points = decay.samples().iter().map(|&(time, value)| (time, value, -wanted * time)).collect();
     let traces = vec![Trace { name: "velocity".to_owned(), points }];
     let error = (-slope(decay.samples()) / wanted - 1.0).abs();
-    Ok(Level { resolution, particles, error, traces, checks: Vec::new(), account: drive.account().clone() })
+    Ok(Level {
+        resolution,
+        particles,
+        error,
+        traces,
+        checks: Vec::new(),
+        remarks: Vec::new(),
+        account: drive.account().clone(),
+    })
 }
 
 /// Moves every particle by up to a spacing along each axis, the same way in every run: by less it finds back to its place in the

@@ -1,0 +1,72 @@
+// Coulomb friction of walls, see freshet_core::scene::Friction. The walls push particle a with
+// n_a = -(1/G) rho0 sum_k V_k P_a F x_ak; each sample counts with its coefficient, in n_s with that of what sticks, in n_k with
+// that of what slides. With v = v_a + a_a dt and t its part across n_s: a_a -= t/dt if |t| <= |n_s| dt, else a_a -= |n_k| t/|t|.
+
+#import freshet::bindings as fields
+#import freshet::equation_of_state
+#import freshet::grid
+#import freshet::kernels
+#import freshet::threads
+
+// sum_k V_k f'(q)/q x_ak times either coefficient.
+struct Push {
+    at_rest: vec3<f32>,
+    sliding: vec3<f32>,
+}
+
+fn push_on(position: vec3<f32>, place: grid::Place) -> Push {
+    let extent = grid::shape();
+    let inverse_radius = fields::parameters.inverse_support_radius;
+    let wall_starts = fields::parameters.wall_starts;
+    var push: Push;
+    for (var row = 0u; row < 9u; row++) {
+        let reached = grid::reached(place, row);
+        let walls = grid::row_of(wall_starts, grid::cells_of(extent, place.cell, row, reached.x, reached.y));
+        for (var t = 0u; t < walls.count; t++) {
+            let k = grid::member(walls, t);
+            let sample = fields::sample(k);
+            let x = grid::difference(position, sample.position);
+            let part = (sample.weight * kernels::slope_over_q(length(x) * inverse_radius)) * x;
+            let coefficients = fields::wall_friction(k);
+            push.at_rest += coefficients.x * part;
+            push.sliding += coefficients.y * part;
+        }
+    }
+    return push;
+}
+
+// What friction takes of an acceleration, with `most` what it can hold, along the wall's normal.
+fn taken(velocity: vec3<f32>, most: vec3<f32>, sliding: f32, dt: f32) -> vec3<f32> {
+    let limit = length(most);
+    if (limit <= 1e-30) {
+        return vec3<f32>(0.0);
+    }
+    let normal = most / limit;
+    let along = velocity - normal * dot(velocity, normal);
+    let speed = length(along);
+    if (speed > limit * dt) {
+        return (sliding / speed) * along;
+    }
+    return select(vec3<f32>(0.0), along / dt, dt > 0.0);
+}
+
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn friction(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a >= fields::control.live) {
+        return;
+    }
+    let position = fields::sorted_position(a);
+    let place = grid::place_of(position);
+    if (!grid::is_near_walls(place.cell)) {
+        return;
+    }
+    let motion = fields::velocity_and_density(a);
+    let pressure = max(equation_of_state::pressure_term(motion.w), 0.0);
+    let push = push_on(position, place);
+    let scale = -fields::parameters.sample_force_scale * pressure;
+    let dt = fields::control.substep;
+    let before = fields::acceleration(a);
+    let sliding = length(scale * push.sliding);
+    fields::set_acceleration(a, before - taken(motion.xyz + dt * before, scale * push.at_rest, sliding, dt));
+}
