@@ -30,7 +30,9 @@ pub mod prelude {
     pub use crate::components::problem::FluidProblem;
     pub use crate::components::readback::{FluidReadback, FluidReadbackComplete};
     pub use crate::components::scene::FluidSceneCommands;
-    pub use crate::components::settings::{FluidEquationOfState, FluidKernel, FluidPressureSolver, FluidRelaxation, FluidSettings};
+    pub use crate::components::settings::{
+        FluidEquationOfState, FluidKernel, FluidPressureSolver, FluidRelaxation, FluidSettings,
+    };
     pub use crate::components::stats::{FluidPassTime, FluidStats};
     pub use crate::components::volume::{FluidShape, FluidVolume};
     pub use crate::coupling::FluidCouplingPlugin;
