@@ -68,7 +68,7 @@ fn volumes_come_and_go_with_their_particles() {
 struct Positions(Vec<Vec3>);
 
 /// Where the particles are after one more tick.
-fn positions(test: &mut TestApp, domain: Entity) -> Vec<Vec3> {
+pub fn positions(test: &mut TestApp, domain: Entity) -> Vec<Vec3> {
     if test.world().get_resource::<Positions>().is_none() {
         test.world().init_resource::<Positions>();
         test.world().add_observer(|read: On<FluidReadbackComplete>, mut positions: ResMut<Positions>| {
@@ -82,7 +82,7 @@ fn positions(test: &mut TestApp, domain: Entity) -> Vec<Vec3> {
 }
 
 /// The same, of which only the largest x is of interest: how far the water has come.
-fn front(test: &mut TestApp, domain: Entity) -> f32 {
+pub fn front(test: &mut TestApp, domain: Entity) -> f32 {
     let positions = positions(test, domain);
     assert_eq!(positions.len(), WATER as usize);
     positions.iter().fold(f32::NEG_INFINITY, |front, position| front.max(position.x))

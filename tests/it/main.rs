@@ -7,5 +7,6 @@ mod example;
 mod golden;
 mod harness;
 mod lost_device;
+mod meshes;
 mod order;
 mod problems;

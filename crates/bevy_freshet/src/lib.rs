@@ -21,6 +21,7 @@ pub mod simulation;
 pub mod prelude {
     pub use crate::components::body::FluidBody;
     pub use crate::components::boundary::{FluidBoundary, FluidBoundaryShape, FluidBoundarySide};
+    pub use crate::components::boundary_mesh::FluidMesh;
     pub use crate::components::container::FluidContainer;
     pub use crate::components::domain::{FluidBackend, FluidDomain, FluidMode};
     pub use crate::components::emitter::FluidEmitter;
@@ -29,7 +30,9 @@ pub mod prelude {
     pub use crate::components::problem::FluidProblem;
     pub use crate::components::readback::{FluidReadback, FluidReadbackComplete};
     pub use crate::components::scene::FluidSceneCommands;
-    pub use crate::components::settings::{FluidEquationOfState, FluidKernel, FluidPressureSolver, FluidRelaxation, FluidSettings};
+    pub use crate::components::settings::{
+        FluidEquationOfState, FluidKernel, FluidPressureSolver, FluidRelaxation, FluidSettings,
+    };
     pub use crate::components::stats::{FluidPassTime, FluidStats};
     pub use crate::components::volume::{FluidShape, FluidVolume};
     pub use crate::coupling::FluidCouplingPlugin;

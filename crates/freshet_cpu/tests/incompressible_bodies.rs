@@ -159,7 +159,7 @@ impl Ball {
     }
 
     fn tick(&mut self, solver: &mut CpuSolver, tick: u64, duration: f32) -> StepReport {
-        let bodies = vec![self.input.clone()];
+        let bodies = vec![self.input];
         let report = solver.step(&StepInput { tick, duration, bodies, commands: Vec::new() }).unwrap();
         let pose = solver.snapshot().unwrap().poses[0].unwrap();
         let given = report.bodies[0];
@@ -214,7 +214,7 @@ fn a_ball_begins_to_rise_or_sink_with_its_added_mass() {
         let mut ball = Ball::new(0.15, 1000.0 * ratio, Vec3::Y * 0.5, scene.gravity);
         let held = BodyInput { position: ball.input.position, ..BodyInput::default() };
         for tick in 0..60 {
-            let bodies = vec![held.clone()];
+            let bodies = vec![held];
             solver.step(&StepInput { tick, duration: 1.0 / 60.0, bodies, commands: Vec::new() }).unwrap();
         }
         let (mut most, mut fastest, mut first) = (0, 0.0f32, 0.0);

@@ -2,6 +2,7 @@
 
 pub mod body;
 pub mod boundary;
+pub mod boundary_mesh;
 pub mod container;
 pub mod domain;
 pub mod emitter;

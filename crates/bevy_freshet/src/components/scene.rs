@@ -20,7 +20,7 @@ pub trait FluidSceneCommands {
     /// domain. `change` is called with the domain before it is spawned, to choose backend and mode.
     ///
     /// # Errors
-    /// A value out of range, a boundary of a shape that [`FluidBoundaryShape`] does not have, or bodies: those of a scene are samples without mass; spawn rapier bodies with
+    /// A value out of range, or bodies: those of a scene are samples without mass; spawn rapier bodies with
     /// [`FluidBody`](super::body::FluidBody) instead.
     fn spawn_fluid_scene(
         &mut self,
@@ -38,14 +38,6 @@ impl FluidSceneCommands for Commands<'_, '_> {
         scene.validate()?;
         if !scene.bodies.is_empty() {
             return Err(InvalidInput::new("bodies", scene.bodies.len(), "none; spawn rapier bodies with FluidBody"));
-        }
-        for (index, boundary) in scene.boundaries.iter().enumerate() {
-            let is_container = matches!(boundary.shape, BoundaryShape::Container { .. });
-            if !is_container && FluidBoundaryShape::from_model(&boundary.shape).is_none() {
-                let field = format!("boundaries[{index}].shape");
-                let allowed = "a shape that FluidBoundary has; it has no convex hulls, meshes and height fields yet";
-                return Err(InvalidInput::new(field, format_args!("{:?}", boundary.shape), allowed));
-            }
         }
         let spacing = match scene.resolution {
             Resolution::Spacing(spacing) => spacing,

@@ -13,6 +13,9 @@ pub struct FluidStats {
     /// Why nothing is simulated any more, such as a lost device; none as long as it goes on. The particles are lost: it starts
     /// again from its volumes when a setting changes.
     pub stopped: Option<String>,
+    /// Boundaries whose mesh or image has not come yet: until it has, no tick is simulated, and nothing is lost. A handle to which
+    /// nothing ever comes makes the domain wait for ever.
+    pub waiting_for: Vec<Entity>,
     /// Ticks known, or zero: the number of the next tick after the one described here.
     pub ticks: u64,
     /// Ticks asked for and not known yet, 0 to 3.

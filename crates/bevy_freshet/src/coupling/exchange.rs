@@ -39,7 +39,7 @@ pub(crate) fn begin_tick(
     };
     for (mut state, mut coupling) in &mut domains {
         receive(&mut commands, &mut state, &mut coupling, &mut context);
-        if state.engine.is_none() || state.stopped {
+        if !state.runs() {
             coupling.bodies.clear();
             continue;
         }

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use super::backend::Hardware;
 use super::pours::Poured;
 use super::state::{BodySamples, DefaultGravity, DomainState};
+use super::walls::WallShapes;
 use crate::components::boundary::FluidBoundary;
 use crate::components::container::FluidContainer;
 use crate::components::domain::FluidDomain;
@@ -88,6 +89,7 @@ pub(crate) fn is_anything_touched(
     states: Query<&DomainState>,
     gravity: Res<DefaultGravity>,
     hardware: Hardware,
+    shapes: Res<WallShapes>,
     mut before: Local<Vec<Stamp>>,
     mut now: Local<Vec<Stamp>>,
 ) -> bool {
@@ -97,6 +99,7 @@ pub(crate) fn is_anything_touched(
     *before != *now
         || gravity.is_changed()
         || hardware.is_changed()
+        || shapes.has_news()
         || states.iter().any(|state| state.has_unsaid_problems)
 }
 
@@ -106,8 +109,10 @@ mod tests {
     use bevy::time::TimeUpdateStrategy;
 
     use super::super::FluidSimulationPlugin;
-    use super::super::problems::Problems;
+    use super::super::problems::{Problem, Problems};
     use super::*;
+    use crate::components::boundary_mesh::FluidMesh;
+    use crate::components::stats::FluidStats;
 
     /// A tank of water as a server has it, and a wall whose parent is `parent`.
     struct Scene {
@@ -120,8 +125,15 @@ mod tests {
 
     impl Scene {
         fn new() -> Self {
+            Self::with(|_| {})
+        }
+
+        /// The same with something done after Bevy's plugins and before Freshet's.
+        fn with(change: impl FnOnce(&mut App)) -> Self {
             let mut app = App::new();
-            app.add_plugins((MinimalPlugins, FluidSimulationPlugin));
+            app.add_plugins(MinimalPlugins);
+            change(&mut app);
+            app.add_plugins(FluidSimulationPlugin);
             app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
             let world = app.world_mut();
             let domain = world.spawn(FluidDomain::with_spacing(0.1)).id();
@@ -134,6 +146,16 @@ mod tests {
             let mut scene = Self { app, domain, parent, wall, water };
             assert!(scene.plannings(4) > 0);
             scene
+        }
+
+        /// How many shapes have been made of meshes so far.
+        fn conversions(&self) -> u32 {
+            self.app.world().resource::<WallShapes>().conversions()
+        }
+
+        /// What is wrong at the moment.
+        fn problems(&self) -> Vec<Problem> {
+            self.app.world().resource::<Problems>().current().to_vec()
         }
 
         /// In how many of so many ticks components were read and planned: then, and only then, problems are brought up to date.
@@ -157,6 +179,131 @@ mod tests {
             self.plannings(2);
             assert_eq!(self.plannings(3), 0, "{what} is planned again and again");
         }
+    }
+
+    /// A box somewhat off the tank's walls.
+    fn block() -> Mesh {
+        Cuboid::new(0.1, 0.5, 0.3).into()
+    }
+
+    #[test]
+    fn a_mesh_is_made_into_a_wall_once_and_again_when_it_changes() {
+        let mut scene = Scene::with(|app| {
+            app.add_plugins(AssetPlugin::default()).init_asset::<Mesh>();
+        });
+        let add = |scene: &mut Scene, mesh: Mesh| scene.app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        let mesh = add(&mut scene, block());
+        // What is no wall may come and change.
+        let other = add(&mut scene, block());
+        let wall = scene.wall;
+        let at = Transform::from_xyz(0.0, 0.3, 0.0);
+        scene.app.world_mut().entity_mut(wall).insert((FluidBoundary::mesh(mesh.clone()), at));
+        assert_eq!(scene.plannings(1), 1);
+        // It was made before its event came, and is looked at once more then.
+        scene.plannings(4);
+        let begin = scene.conversions();
+        assert!((1..=2).contains(&begin), "{begin}");
+        let still = |scene: &mut Scene| assert_eq!(scene.plannings(4), 0);
+        still(&mut scene);
+        scene.app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&other).unwrap().translate_by(Vec3::X);
+        add(&mut scene, block());
+        still(&mut scene);
+        assert_eq!(scene.conversions(), begin);
+
+        // Something else is touched; the wall moves; others are made of the same mesh.
+        scene.is_planned_after("another setting", |world, [domain, ..]| {
+            world.get_mut::<FluidDomain>(*domain).unwrap().max_substeps = 500;
+        });
+        scene.is_planned_after("a wall that turns", |world, [_, parent, ..]| {
+            let turned = Quat::from_euler(EulerRot::XYZ, 0.1, 0.2, 0.3);
+            world.entity_mut(*parent).insert(Transform::from_xyz(0.8, 0.0, 0.25).with_rotation(turned));
+        });
+        scene.is_planned_after("a second wall", |world, [_, parent, ..]| {
+            let beside = Transform::from_xyz(0.0, 0.9, 0.0);
+            world.spawn((FluidBoundary::mesh(mesh.clone()), beside, ChildOf(*parent)));
+        });
+        assert_eq!(scene.conversions(), begin);
+
+        scene.is_planned_after("a wall that grows", |world, [_, _, wall, _]| {
+            world.entity_mut(*wall).insert(at.with_scale(Vec3::new(1.0, 0.9, 1.1)));
+        });
+        assert_eq!(scene.conversions(), begin + 1);
+        scene.is_planned_after("a hull", |world, [_, _, wall, _]| {
+            world.entity_mut(*wall).insert((FluidBoundary::convex_hull(mesh.clone()), at));
+        });
+        assert_eq!(scene.conversions(), begin + 2);
+
+        // One mesh, two walls of it: a mesh and a hull. The event comes in the tick after.
+        scene.app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&mesh).unwrap().translate_by(0.01 * Vec3::Y);
+        assert!(scene.plannings(2) > 0, "a mesh that changes goes unnoticed");
+        scene.plannings(2);
+        assert_eq!(scene.conversions(), begin + 4);
+        still(&mut scene);
+
+        // One that is not there yet: the domain is not planned while it waits, and is when it comes.
+        let domain = scene.domain;
+        let stats = |scene: &Scene| scene.app.world().get::<FluidStats>(domain).unwrap().clone();
+        let late = scene.app.world_mut().resource_mut::<Assets<Mesh>>().reserve_handle();
+        scene.is_planned_after("a wall that is not there yet", |world, [_, _, wall, _]| {
+            world.entity_mut(*wall).insert(FluidBoundary::mesh(late.clone()));
+        });
+        let waiting = stats(&scene);
+        assert_eq!(waiting.waiting_for, [wall]);
+        still(&mut scene);
+        assert_eq!((stats(&scene).ticks, scene.conversions()), (waiting.ticks, begin + 4));
+        scene.app.world_mut().resource_mut::<Assets<Mesh>>().insert(&late, block()).unwrap();
+        assert!(scene.plannings(2) > 0, "a mesh that comes goes unnoticed");
+        still(&mut scene);
+        assert!(stats(&scene).waiting_for.is_empty() && stats(&scene).ticks > waiting.ticks);
+        assert_eq!(scene.conversions(), begin + 5);
+
+        // What has gone leaves the wall.
+        scene.app.world_mut().resource_mut::<Assets<Mesh>>().remove(&mesh);
+        scene.app.world_mut().resource_mut::<Assets<Mesh>>().remove(&late);
+        still(&mut scene);
+        scene.is_planned_after("another setting", |world, [domain, ..]| {
+            world.get_mut::<FluidDomain>(*domain).unwrap().max_substeps = 400;
+        });
+        assert!(stats(&scene).waiting_for.is_empty());
+        assert_eq!(scene.conversions(), begin + 5);
+        assert!(scene.problems().is_empty(), "{:?}", scene.problems());
+    }
+
+    #[test]
+    fn a_server_without_assets_has_walls_of_triangles_and_heights() {
+        let mut scene = Scene::new();
+        let triangles = |height| FluidMesh::Triangles {
+            vertices: vec![Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::new(0.3, height, 0.3)],
+            triangles: vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]],
+        };
+        let begin = scene.conversions();
+        assert_eq!(begin, 0);
+        for (count, boundary) in (1..).zip([
+            FluidBoundary::mesh(triangles(0.5)),
+            FluidBoundary::mesh(triangles(0.4)),
+            FluidBoundary::convex_hull(triangles(0.5)),
+            FluidBoundary::height_field(Vec2::ONE, UVec2::splat(2), vec![0.0, 0.1, 0.1, 0.2]),
+        ]) {
+            scene.is_planned_after("another wall", |world, [_, _, wall, _]| {
+                world.entity_mut(*wall).insert((boundary, Transform::from_xyz(-0.2, 0.0, 0.0)));
+            });
+            assert_eq!(scene.conversions(), count);
+            scene.is_planned_after("another gravity", |world, _| {
+                world.resource_mut::<DefaultGravity>().0.y -= 0.1;
+            });
+            assert_eq!(scene.conversions(), count);
+            assert!(scene.problems().is_empty(), "{:?}", scene.problems());
+        }
+        let (wall, domain) = (scene.wall, scene.domain);
+        let ticks = |scene: &Scene| scene.app.world().get::<FluidStats>(domain).unwrap().ticks;
+        scene.app.world_mut().entity_mut(wall).insert(FluidBoundary::mesh(Handle::default()));
+        let before = ticks(&scene);
+        scene.plannings(8);
+        let problems = scene.problems();
+        assert_eq!(problems.len(), 1, "{problems:?}");
+        assert_eq!((problems[0].entity, problems[0].component), (wall, "FluidBoundary"));
+        assert!(problems[0].message.starts_with("shape.mesh: ") && problems[0].message.contains("AssetPlugin"));
+        assert!(ticks(&scene) > before, "the rest goes on");
     }
 
     #[test]

@@ -10,7 +10,9 @@ use super::pours::Poured;
 use super::problems::Problem;
 use super::recipe::{FreshVolume, Recipe, Source, Wall};
 use super::state::BodySamples;
-use crate::components::boundary::FluidBoundary;
+use super::walls::stretch::stretched_frame;
+use super::walls::{Found, WallAssets, WallShapes};
+use crate::components::boundary::{FluidBoundary, FluidBoundaryShape};
 use crate::components::container::FluidContainer;
 use crate::components::domain::FluidDomain;
 use crate::components::emitter::FluidEmitter;
@@ -29,9 +31,10 @@ pub(crate) struct Sources<'w, 's> {
     volumes: Query<'w, 's, (Entity, &'static FluidVolume, &'static Fluid, Member, Option<&'static Poured>)>,
     emitters: Query<'w, 's, (Entity, &'static FluidEmitter, &'static Fluid, Member)>,
     containers: Query<'w, 's, (Entity, &'static FluidContainer, Member)>,
-    boundaries: Query<'w, 's, (Entity, &'static FluidBoundary, Member)>,
+    boundaries: Query<'w, 's, (Entity, Ref<'static, FluidBoundary>, Member)>,
     bodies: Query<'w, 's, (Entity, &'static BodySamples, Member)>,
     transforms: TransformHelper<'w, 's>,
+    assets: WallAssets<'w>,
 }
 
 /// The rigid frame of an entity in the world, or what is wrong with it.
@@ -83,6 +86,7 @@ impl Sources<'_, '_> {
         settings: &FluidDomain,
         (frame, gravity): (Isometry3d, Vec3),
         (only, all): (bool, bool),
+        shapes: &mut WallShapes,
         problems: &mut Vec<Problem>,
     ) -> Recipe {
         let belongs = |member: Option<&FluidInDomain>| member.map_or(only, |member| member.0 == domain);
@@ -115,17 +119,20 @@ impl Sources<'_, '_> {
                 sources.push(Source { entity, emitter: to_emitter(emitter, pose) });
             }
         }
-        let mut walls = Vec::new();
+        let (mut walls, mut waits_for) = (Vec::new(), Vec::new());
         for (entity, container, _) in self.containers.iter().filter(|item| belongs(item.2)) {
             let shape = BoundaryShape::Container { half_extents: container.size / 2.0, open: container.open };
             gather.wall(entity, "FluidContainer", shape, container.viscous_faces, &mut walls);
         }
         for (entity, boundary, _) in self.boundaries.iter().filter(|item| belongs(item.2)) {
-            let shape = boundary.shape.to_model();
-            gather.wall(entity, "FluidBoundary", shape, boundary.viscous_faces, &mut walls);
+            match boundary.shape.to_model() {
+                Some(shape) => gather.wall(entity, "FluidBoundary", shape, boundary.viscous_faces, &mut walls),
+                None => gather.made_wall(entity, &boundary, shapes, &mut walls, &mut waits_for),
+            }
         }
         // Queries follow archetypes; sorted, the same scene is the same however it was put together.
         walls.sort_by_key(|wall| wall.entity.index_u32());
+        waits_for.sort_by_key(|entity| entity.index_u32());
         let mut bodies: Vec<_> = self
             .bodies
             .iter()
@@ -137,7 +144,7 @@ impl Sources<'_, '_> {
         let material = gather.material.map_or_else(Material::water, |(_, material)| material);
         let gravity = frame.rotation.inverse() * gravity;
         let (spacing, settings) = (settings.spacing, Recipe::settings(settings));
-        Recipe { spacing, settings, material, gravity, walls, sources, bodies, fresh }
+        Recipe { spacing, settings, material, gravity, walls, sources, bodies, fresh, waits_for }
     }
 }
 
@@ -172,6 +179,42 @@ impl Gather<'_, '_, '_> {
             let boundary = Boundary { rotation, viscous_faces, ..Boundary::new(shape, center) };
             walls.push(Wall { entity, component, boundary });
         }
+    }
+
+    /// A wall whose shape is made of a mesh, heights or an image.
+    fn made_wall(
+        &mut self,
+        entity: Entity,
+        boundary: &Ref<FluidBoundary>,
+        shapes: &mut WallShapes,
+        walls: &mut Vec<Wall>,
+        waits_for: &mut Vec<Entity>,
+    ) {
+        let transforms = &self.sources.transforms;
+        let frame = match boundary.shape {
+            FluidBoundaryShape::Mesh { .. } | FluidBoundaryShape::ConvexHull { .. } => {
+                stretched_frame(transforms, entity)
+            }
+            _ => rigid_frame(transforms, entity).map(|frame| (frame, Mat3::IDENTITY)),
+        };
+        let found = frame.map(|(frame, stretch)| {
+            (self.to_domain * frame, shapes.find(entity, boundary, stretch, &self.sources.assets))
+        });
+        let wrong = match found {
+            Ok((pose, Found::Shape(shape))) => {
+                let (center, rotation, viscous_faces) =
+                    (pose.translation.into(), pose.rotation, boundary.viscous_faces);
+                let boundary = Boundary { rotation, viscous_faces, ..Boundary::new(shape, center) };
+                walls.push(Wall { entity, component: "FluidBoundary", boundary });
+                return;
+            }
+            Ok((_, Found::Waits)) => {
+                waits_for.push(entity);
+                return;
+            }
+            Ok((_, Found::Wrong(message))) | Err(message) => message,
+        };
+        self.problems.push(Problem::new(entity, "FluidBoundary", wrong));
     }
 
     /// The first volume or emitter says what the domain's fluid is; others must agree.

@@ -1,7 +1,7 @@
 //! From components to a plan and a stream of ticks, in the app's fixed schedule.
 //!
-//! `changes` notices that components were touched, `gather` reads them, `recipe` is what they ask for, `planning` turns it into plans, `orders` into orders,
-//! `ticking` sends the ticks, `collecting` takes the results.
+//! `changes` notices that components were touched, `gather` reads them, `walls` makes shapes of meshes, `recipe` is what they ask for, `planning` turns
+//! it into plans, `orders` into orders, `ticking` sends the ticks, `collecting` takes the results.
 
 mod attempt;
 mod backend;
@@ -18,6 +18,7 @@ mod room;
 pub mod sets;
 pub(crate) mod state;
 pub(crate) mod ticking;
+mod walls;
 
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::PhysicsSet;
@@ -54,6 +55,7 @@ impl Plugin for FluidSimulationPlugin {
             .add_message::<FluidProblem>()
             .init_resource::<state::DefaultGravity>()
             .init_resource::<problems::Problems>()
+            .init_resource::<walls::WallShapes>()
             .register_required_components::<FluidDomain, state::DomainState>()
             .add_observer(pours::remove_particles)
             .add_observer(pours::forget_domain)
@@ -79,7 +81,9 @@ impl Plugin for FluidSimulationPlugin {
             .add_systems(
                 FixedUpdate,
                 (
-                    planning::plan_domains.run_if(changes::is_anything_touched).in_set(FreshetSystems::Plan),
+                    (walls::notice_assets, planning::plan_domains.run_if(changes::is_anything_touched))
+                        .chain()
+                        .in_set(FreshetSystems::Plan),
                     collecting::collect_known.in_set(FreshetSystems::Collect),
                     (ticking::send_ticks, reading::read_fields).chain().in_set(FreshetSystems::Step),
                 ),

@@ -12,6 +12,7 @@ use super::pours::Poured;
 use super::problems::{Problem, Problems};
 use super::recipe::Recipe;
 use super::state::{DefaultGravity, DomainState};
+use super::walls::WallShapes;
 use crate::components::domain::{FluidBackend, FluidDomain};
 use crate::components::stats::FluidStats;
 use crate::components::volume::FluidVolume;
@@ -25,7 +26,9 @@ pub(crate) fn plan_domains(
     hardware: Hardware,
     default_gravity: Res<DefaultGravity>,
     mut problems: ResMut<Problems>,
+    mut shapes: ResMut<WallShapes>,
 ) {
+    shapes.begin();
     let count = domains.iter().len();
     let mut current = sources.ambiguous(count);
     for (entity, domain, mut state, mut stats) in &mut domains {
@@ -40,7 +43,21 @@ pub(crate) fn plan_domains(
         state.frame = frame;
         state.mode = domain.mode;
         let gravity = domain.gravity.unwrap_or(default_gravity.0);
-        let mut recipe = sources.recipe(entity, domain, (frame, gravity), (count == 1, false), &mut current);
+        let mut recipe =
+            sources.recipe(entity, domain, (frame, gravity), (count == 1, false), &mut shapes, &mut current);
+        if stats.waiting_for != recipe.waits_for {
+            stats.waiting_for.clone_from(&recipe.waits_for);
+        }
+        let waits = !recipe.waits_for.is_empty();
+        if waits && !state.waits {
+            // What the fluid did to bodies reaches them before they are let go.
+            wait_for_all(entity, &mut state, &mut stats);
+        }
+        state.waits = waits;
+        if waits {
+            current.extend(state.problems.iter().cloned());
+            continue;
+        }
         let backend = hardware.choose(domain.backend);
 
         let has_fluid =
@@ -50,7 +67,8 @@ pub(crate) fn plan_domains(
         if has_fluid && !is_served {
             if state.stopped {
                 // Its particles are lost: the domain starts from all its volumes again.
-                recipe = sources.recipe(entity, domain, (frame, gravity), (count == 1, true), &mut Vec::new());
+                let which = (count == 1, true);
+                recipe = sources.recipe(entity, domain, (frame, gravity), which, &mut shapes, &mut Vec::new());
             }
             for (volume, refused) in replan(entity, recipe, backend, (&mut state, &mut stats), &sources, &hardware) {
                 let refused = if refused { volumes.get(volume).ok().cloned() } else { None };
@@ -62,6 +80,7 @@ pub(crate) fn plan_domains(
         }
         current.extend(state.problems.iter().cloned());
     }
+    shapes.drop_unused();
     problems.update(current, &mut commands);
 }
 

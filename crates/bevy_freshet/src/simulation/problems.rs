@@ -23,6 +23,12 @@ impl Problem {
 pub(crate) struct Problems(Vec<Problem>);
 
 impl Problems {
+    /// What is wrong at the moment.
+    #[cfg(test)]
+    pub(crate) fn current(&self) -> &[Problem] {
+        &self.0
+    }
+
     /// Says those that were not there in the last tick.
     pub(crate) fn update(&mut self, current: Vec<Problem>, commands: &mut Commands) {
         for problem in &current {

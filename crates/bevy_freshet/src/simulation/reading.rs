@@ -10,7 +10,7 @@ use crate::components::readback::{FluidReadback, FluidReadbackComplete};
 pub(crate) fn read_fields(mut commands: Commands, mut domains: Query<(Entity, &FluidReadback, &mut DomainState)>) {
     for (entity, readback, mut state) in &mut domains {
         let Some(tick) = state.tick.checked_sub(1) else { continue };
-        if tick % u64::from(readback.every.max(1)) != 0 || state.stopped {
+        if tick % u64::from(readback.every.max(1)) != 0 || !state.runs() {
             continue;
         }
         let Some(engine) = &mut state.engine else { continue };

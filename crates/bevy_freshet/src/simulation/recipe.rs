@@ -47,6 +47,8 @@ pub(crate) struct Recipe {
     pub(crate) bodies: Vec<(Entity, u64)>,
     /// Volumes to pour.
     pub(crate) fresh: Vec<FreshVolume>,
+    /// Walls that are not there yet, in order; it is not planned as long as there are any.
+    pub(crate) waits_for: Vec<Entity>,
 }
 
 impl Recipe {
@@ -128,6 +130,7 @@ mod tests {
             sources: Vec::new(),
             bodies: Vec::new(),
             fresh: Vec::new(),
+            waits_for: Vec::new(),
         }
     }
 

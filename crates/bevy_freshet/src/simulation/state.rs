@@ -67,6 +67,8 @@ pub(crate) struct DomainState {
     pub(crate) has_unsaid_problems: bool,
     /// Why the engine stopped; it is made anew when the recipe changes.
     pub(crate) stopped: bool,
+    /// A wall is not there yet: no ticks until it is.
+    pub(crate) waits: bool,
     /// Which particles are whose.
     pub(crate) pours: Pours,
     /// Gravity as the solver was last told, m/s2.
@@ -94,6 +96,11 @@ pub(crate) struct DomainState {
 }
 
 impl DomainState {
+    /// Whether ticks are sent.
+    pub(crate) fn runs(&self) -> bool {
+        self.engine.is_some() && !self.stopped && !self.waits
+    }
+
     /// Notes a problem that came up while running; it is said in the next tick.
     pub(crate) fn complain(&mut self, problem: Problem) {
         if !self.problems.contains(&problem) {

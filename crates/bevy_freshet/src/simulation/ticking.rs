@@ -22,7 +22,10 @@ pub(crate) fn send_ticks(
     let duration = time.delta_secs();
     for (entity, mut state, mut stats) in &mut domains {
         let state = &mut *state;
-        let (Some(engine), Some(plan), false) = (&mut state.engine, &state.plan, state.stopped) else { continue };
+        if !state.runs() {
+            continue;
+        }
+        let (Some(engine), Some(plan)) = (&mut state.engine, &state.plan) else { continue };
         // Emitters follow simulated time; where it turns out otherwise than expected, the solver puts the layers right.
         let (span, spacing) = (state.clock.span(duration), plan.parameters.spacing);
         let sources = state.recipe.as_ref().map(|recipe| recipe.sources.as_slice()).unwrap_or_default();
