@@ -102,8 +102,15 @@ fn fire(
     let (mut tick, mut removed, mut fired) = (0, 0, 0);
     let flight = (FLIGHT / TICK).ceil() as u64;
     while fired < trial.shots {
-        let (positions, velocities) =
-            (0..SALVO.min(trial.shots - fired)).map(|_| aim.shot(trial.speed)).unzip::<_, _, Vec<_>, Vec<_>>();
+        let (mut positions, mut velocities): (Vec<Vec3>, Vec<Vec3>) = Default::default();
+        while positions.len() < SALVO.min(trial.shots - fired) {
+            let (position, velocity) = aim.shot(trial.speed);
+            // Particles in one place would throw each other away faster than they are fired.
+            if positions.iter().all(|other| other.distance(position) > SPACING) {
+                positions.push(position);
+                velocities.push(velocity);
+            }
+        }
         fired += positions.len();
         let lifetime = (flight as f64 * TICK - 1e-4) as f32;
         let mut commands = vec![Command::Spawn(NewParticles { positions, velocities, lifetime, at: None })];
