@@ -3,7 +3,9 @@
 // that of what slides. With v = v_a + a_a dt and t its part across n_s: a_a -= t/dt if |t| <= |n_s| dt, else a_a -= |n_k| t/|t|.
 
 #import freshet::bindings as fields
+#ifndef INCOMPRESSIBLE
 #import freshet::equation_of_state
+#endif
 #import freshet::grid
 #import freshet::kernels
 #import freshet::threads
@@ -62,7 +64,11 @@ fn friction(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
         return;
     }
     let motion = fields::velocity_and_density(a);
+#ifdef INCOMPRESSIBLE
+    let pressure = fields::solved_pressure(a);
+#else
     let pressure = max(equation_of_state::pressure_term(motion.w), 0.0);
+#endif
     let push = push_on(position, place);
     let scale = -fields::parameters.sample_force_scale * pressure;
     let dt = fields::control.substep;

@@ -120,7 +120,18 @@ pub(crate) fn moving_walls(plan: &Plan) -> bool {
 
 /// The passes of one substep, in order.
 pub(crate) fn substep_passes(plan: &Plan) -> Vec<Pass> {
-    plan.stages.iter().flat_map(|stage| stage_passes(stage.kind, plan)).collect()
+    let mut stages: Vec<StageKind> = plan.stages.iter().map(|stage| stage.kind).collect();
+    // Of an incompressible fluid nothing may be dispatched before its solves have ended that depends on what they find. The density
+    // solve changes neither velocities nor pressures: what comes before it in the plan may as well come after it.
+    if incompressible(plan) {
+        stages.sort_by_key(|&stage| is_of_the_end(stage));
+    }
+    stages.into_iter().flat_map(|stage| stage_passes(stage, plan)).collect()
+}
+
+/// Whether a stage comes after the solves of an incompressible fluid.
+fn is_of_the_end(stage: StageKind) -> bool {
+    matches!(stage, StageKind::Friction | StageKind::Xsph | StageKind::Integrate)
 }
 
 fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
@@ -282,19 +293,26 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let begin = vec![with_words(7, begin), control("density_control")];
             begin.into_iter().chain(iteration()).collect()
         }
-        StageKind::Friction => vec![pass(
-            "friction",
-            passes::FRICTION,
-            Arguments::Motion,
-            &[
-                (B::SortedPositions, Read),
-                (B::SortedVelocities, Read),
-                (B::CellStarts, Read),
-                (B::Samples, Read),
-                (B::WallFrictions, Read),
-                (B::Control, Read),
-                (B::Accelerations, Write),
-            ],
+        StageKind::Friction => vec![with_words(
+            1,
+            pass(
+                "friction",
+                passes::FRICTION,
+                Arguments::Motion,
+                &with(
+                    solves,
+                    vec![
+                        (B::SortedPositions, Read),
+                        (B::SortedVelocities, Read),
+                        (B::CellStarts, Read),
+                        (B::Samples, Read),
+                        (B::WallFrictions, Read),
+                        (B::Control, Read),
+                        (B::Accelerations, Write),
+                    ],
+                    &[(B::Solves, Read)],
+                ),
+            ),
         )],
         StageKind::Xsph => vec![pass(
             "xsph",
@@ -349,7 +367,7 @@ pub(crate) fn closing_passes(plan: &Plan) -> Vec<Pass> {
     let substep = substep_passes(plan);
     passes.extend(substep.iter().filter(|pass| matches!(pass.name, "density_begin" | "density_control")).cloned());
     passes.push(close());
-    passes.extend(substep.into_iter().filter(|pass| pass.stage == Some(StageKind::Integrate)));
+    passes.extend(substep.into_iter().filter(|pass| pass.stage.is_some_and(is_of_the_end)));
     passes
 }
 

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::kernel::KernelKind;
-use freshet_core::plan::{Plan, StageKind};
+use freshet_core::plan::Plan;
 use freshet_core::solver::SolverError;
 use freshet_shaders::library;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
@@ -70,22 +70,12 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         }
     }
     set(kernel_definition(parameters.kernel)?);
-    if incompressible(plan) {
-        // Their passes take pressures from densities, and velocities as the acceleration pass leaves them.
-        for (there, what) in [
-            (bodies, "bodies"),
-            (plan.has(StageKind::Friction), "friction of walls"),
-            (plan.has(StageKind::Xsph), "settings.xsph"),
-        ] {
-            if there {
-                return Err(SolverError::Unsupported {
-                    backend: "gpu",
-                    what: format!("{what} with settings.pressure_solver DivergenceFree"),
-                    reason: "it has it for weakly compressible fluids only; use the CPU, or WeaklyCompressible"
-                        .to_owned(),
-                });
-            }
-        }
+    if incompressible(plan) && bodies {
+        return Err(SolverError::Unsupported {
+            backend: "gpu",
+            what: "bodies with settings.pressure_solver DivergenceFree".to_owned(),
+            reason: "it has them in weakly compressible fluids only; use the CPU, or WeaklyCompressible".to_owned(),
+        });
     }
     match parameters.pressure_law.equation {
         EquationOfState::IdealGas { .. } => set("EQUATION_IDEAL_GAS"),

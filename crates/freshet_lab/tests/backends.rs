@@ -225,11 +225,19 @@ fn incompressible_stages_agree_from_the_same_states() {
     states.push(jittered);
 
     let exact = DivergenceFree { compression: 1e-5, divergence: 1e-6, max_iterations: 3000 };
-    let mut one_substep = incompressible(exact);
-    one_substep.settings.max_substeps = 1;
-    let plan = Plan::new(&one_substep).unwrap();
+    let mut plain = incompressible(exact);
+    plain.settings.max_substeps = 1;
+    let mut aided = plain.clone();
+    aided.settings.xsph = 0.5;
+    aided.boundaries[0].friction = Friction { at_rest: 0.8, sliding: 0.3 };
+    compare_incompressible(&plain, &states);
+    compare_incompressible(&aided, &states);
+}
+
+fn compare_incompressible(scene: &FluidScene, states: &[Snapshot]) {
+    let plan = Plan::new(scene).unwrap();
     let (mut cpu, mut gpu) = (cpu(&plan), gpu(&plan, None));
-    for state in &states {
+    for state in states {
         cpu.restore(state).unwrap();
         gpu.restore(state).unwrap();
         let input = StepInput { tick: state.tick, duration: 0.25, ..StepInput::default() };

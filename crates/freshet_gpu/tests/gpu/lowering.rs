@@ -142,21 +142,6 @@ fn limits_and_options_out_of_reach_are_named() {
 }
 
 #[test]
-fn aids_that_an_incompressible_fluid_has_on_the_cpu_only_are_named() {
-    let refused = |change: fn(&mut FluidScene)| {
-        let mut scene = dam_break(0.05);
-        scene.settings.pressure_solver = PressureSolver::DivergenceFree(DivergenceFree::default());
-        change(&mut scene);
-        let plan = Plan::new(&scene).unwrap();
-        GpuSolver::new(&device().device, &device().queue, plan, GpuOptions::default()).unwrap_err().to_string()
-    };
-    let message = refused(|scene| scene.boundaries[0].friction = Friction::coulomb(0.5));
-    assert!(message.contains("friction of walls with settings.pressure_solver DivergenceFree"), "{message}");
-    let message = refused(|scene| scene.settings.xsph = 0.5);
-    assert!(message.contains("settings.xsph with settings.pressure_solver DivergenceFree"), "{message}");
-}
-
-#[test]
 fn time_stamps_are_summed_by_pass_where_the_device_has_them() {
     let opened = open_device(DeviceRequest { time_stamps: true, ..Default::default() }).unwrap();
     let plan = Plan::new(&dam_break(0.05)).unwrap();
