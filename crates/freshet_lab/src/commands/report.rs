@@ -38,7 +38,7 @@ struct Section {
 }
 
 /// In the order of the page; the cases of `validate` come after these.
-const SECTIONS: [Section; 7] = [
+const SECTIONS: [Section; 9] = [
     Section {
         stem: "dam_break",
         head: "Dam break",
@@ -55,6 +55,12 @@ const SECTIONS: [Section; 7] = [
         about: "Pressure on the floor, weight on the container, level and speed of water that should do nothing.",
     },
     Section { stem: "float", head: "Floating ball", about: "A ball of half the density of water against Archimedes." },
+    Section {
+        stem: "leaks",
+        head: "Leaks",
+        about: "What gets through thin walls, moving walls and every shape under fire at up to 10 m/s.",
+    },
+    Section { stem: "leaks_dfsph", head: "Leaks, incompressible", about: "The same by divergence-free SPH." },
     Section { stem: "peers", head: "Peers", about: "The same tank run by Freshet and by others, in turn in one run." },
     Section {
         stem: "bench",

@@ -26,8 +26,10 @@ const FLIGHT: f64 = 0.06;
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The trial.
-    pub name: String,
+    /// What happened.
+    pub what: String,
+    /// How fast.
+    pub pace: String,
     /// Where.
     pub backend: Backend,
     /// How.
@@ -55,7 +57,8 @@ pub fn simulate(
     let mut solver = backend.open(plan, threads)?;
     let mut watch = Watch::new(trial, limit);
     let run = Found {
-        name: trial.name.clone(),
+        what: trial.what.clone(),
+        pace: trial.pace.clone(),
         backend,
         method,
         particles: trial.shots.max(solver.plan().positions.len()),

@@ -17,8 +17,10 @@ pub const FIRED: usize = 10_000;
 
 /// One trial.
 pub struct Trial {
-    /// What happens, and how fast.
-    pub name: String,
+    /// What happens.
+    pub what: String,
+    /// How fast.
+    pub pace: String,
     /// Fluid, walls, and at most one body, which moves as it is told.
     pub scene: FluidScene,
     /// Where the body is at a time; it is not pushed.
@@ -33,6 +35,13 @@ pub struct Trial {
     pub seconds: f64,
 }
 
+impl Trial {
+    /// What happens, and how fast.
+    pub fn name(&self) -> String {
+        format!("{}, {}", self.what, self.pace)
+    }
+}
+
 /// Position and orientation of a body at a time, s.
 pub type Motion = Box<dyn Fn(f64) -> (Vec3, Quat)>;
 
@@ -40,13 +49,10 @@ pub type Motion = Box<dyn Fn(f64) -> (Vec3, Quat)>;
 pub fn trials(quick: bool) -> Result<Vec<Trial>, LabError> {
     let speeds: &[f32] = if quick { &[10.0] } else { &[0.5, 2.0, 10.0] };
     let mut trials = Vec::new();
-    for &speed in speeds {
-        trials.push(plate(speed));
-        trials.push(cup_pulled(speed)?);
-        trials.push(piston(speed)?);
-        trials.push(paddle(speed)?);
-        trials.push(bowl(speed)?);
-        trials.push(valley(speed)?);
+    for kind in [plate, cup_pulled, piston, paddle, bowl, valley] {
+        for &speed in speeds {
+            trials.push(kind(speed)?);
+        }
     }
     trials.push(cup_tilted()?);
     let shots = if quick { FIRED / 10 } else { FIRED };
@@ -67,19 +73,19 @@ fn room(speed: f32) -> FluidScene {
     scene
 }
 
-fn still(name: String, scene: FluidScene, gates: Vec<Gate>, seconds: f64) -> Trial {
-    Trial { name, scene, motion: None, gates, shots: 0, speed: 0.0, seconds }
+fn still(what: &str, pace: String, scene: FluidScene, gates: Vec<Gate>, seconds: f64) -> Trial {
+    Trial { what: what.to_owned(), pace, scene, motion: None, gates, shots: 0, speed: 0.0, seconds }
 }
 
 /// A block that is thrown at a plate one spacing thick.
-fn plate(speed: f32) -> Trial {
+fn plate(speed: f32) -> Result<Trial, LabError> {
     let mut scene = room(speed);
     let thrown = Vec3::new(0.0, -speed, 0.0);
     scene.volumes = vec![Volume { velocity: thrown, ..Volume::block(Vec3::splat(0.25), Vec3::Y * 0.4) }];
     let half = Vec3::new(0.9, 0.5 * SPACING, 0.9);
     scene.boundaries.push(Boundary::new(BoundaryShape::Box { half_extents: half }, Vec3::ZERO));
     let gate = Gate::Rectangle { half_extents: [half.x, half.z] };
-    still(format!("a block thrown at a thin plate at {speed} m/s"), scene, vec![gate], 0.6)
+    Ok(still("a block thrown at a thin plate", format!("{speed} m/s"), scene, vec![gate], 0.6))
 }
 
 /// Room of the cup: radius and half height, m.
@@ -105,18 +111,16 @@ fn cup_pulled(acceleration: f32) -> Result<Trial, LabError> {
         let pulled = (time - 0.2).max(0.0) as f32;
         (Vec3::X * (0.5 * acceleration * pulled * pulled), Quat::IDENTITY)
     };
-    let name = format!("a cup of water pulled away at {acceleration} m/s2");
-    Ok(Trial { motion: Some(Box::new(place)), ..still(name, scene, vec![gate], 1.2) })
+    let pulled = still("a cup of water pulled away", format!("{acceleration} m/s2"), scene, vec![gate], 1.2);
+    Ok(Trial { motion: Some(Box::new(place)), ..pulled })
 }
 
 /// A cup of water that is turned upside down within a second.
 fn cup_tilted() -> Result<Trial, LabError> {
     let (scene, gate) = cup(5.0)?;
     let place = |time: f64| (Vec3::ZERO, Quat::from_rotation_z(PI * ((time - 0.2) as f32).clamp(0.0, 1.0)));
-    Ok(Trial {
-        motion: Some(Box::new(place)),
-        ..still("a cup of water turned over within a second".to_owned(), scene, vec![gate], 1.2)
-    })
+    let turned = still("a cup of water turned over", "1 s".to_owned(), scene, vec![gate], 1.2);
+    Ok(Trial { motion: Some(Box::new(place)), ..turned })
 }
 
 /// A piston that pushes a column along a channel with a lid, into the air at its end.
@@ -133,8 +137,8 @@ fn piston(speed: f32) -> Result<Trial, LabError> {
     let place = move |time: f64| (Vec3::X * (start + (speed * time as f32).min(0.7)), upright);
     let gate = Gate::Rectangle { half_extents: [half.x, half.z] };
     let seconds = f64::from(0.7 / speed) + 0.1;
-    let name = format!("a piston that pushes a column at {speed} m/s");
-    Ok(Trial { motion: Some(Box::new(place)), ..still(name, scene, vec![gate], seconds) })
+    let pushed = still("a piston that pushes a column", format!("{speed} m/s"), scene, vec![gate], seconds);
+    Ok(Trial { motion: Some(Box::new(place)), ..pushed })
 }
 
 /// A paddle whose ends are that fast, in a tank of water.
@@ -151,8 +155,8 @@ fn paddle(speed: f32) -> Result<Trial, LabError> {
     let place =
         move |time: f64| (Vec3::Y * -0.1, Quat::from_rotation_z((f64::from(speed / half.x) * time) as f32 % TAU));
     let gate = Gate::Rectangle { half_extents: [half.x, half.z] };
-    let name = format!("a paddle whose ends go at {speed} m/s in a tank of water");
-    Ok(Trial { motion: Some(Box::new(place)), ..still(name, scene, vec![gate], 0.5) })
+    let stirred = still("a paddle in water, its ends", format!("{speed} m/s"), scene, vec![gate], 0.5);
+    Ok(Trial { motion: Some(Box::new(place)), ..stirred })
 }
 
 /// Half a ball of triangles, open at the top.
@@ -181,9 +185,9 @@ fn bowl(speed: f32) -> Result<Trial, LabError> {
     let thrown = Vec3::new(0.0, -speed, 0.0);
     scene.volumes = vec![Volume { velocity: thrown, ..Volume::block(Vec3::splat(0.2), Vec3::ZERO) }];
     scene.boundaries.push(Boundary::new(BoundaryShape::mesh(bowl_mesh(radius)?), Vec3::ZERO));
-    let name = format!("a block thrown into a bowl of triangles at {speed} m/s");
     // Between the triangles' edges they are nearer to the middle than their corners are.
-    Ok(still(name, scene, vec![Gate::Bowl { radius: 0.995 * radius, rim: -0.02 }], 0.6))
+    let gates = vec![Gate::Bowl { radius: 0.995 * radius, rim: -0.02 }];
+    Ok(still("a block thrown into a bowl", format!("{speed} m/s"), scene, gates, 0.6))
 }
 
 fn valley_field() -> Result<HeightField, LabError> {
@@ -202,7 +206,7 @@ fn valley(speed: f32) -> Result<Trial, LabError> {
     // Nothing holds what splashes out of it.
     scene.boundaries = vec![Boundary::new(BoundaryShape::HeightField { field: valley_field()? }, Vec3::ZERO)];
     scene.settings.bounds = Some((Vec3::splat(-30.0), Vec3::splat(30.0)));
-    Ok(still(format!("a block thrown into a valley at {speed} m/s"), scene, Vec::new(), 0.6))
+    Ok(still("a block thrown into a valley", format!("{speed} m/s"), scene, Vec::new(), 0.6))
 }
 
 /// Every shape a wall may have.
@@ -245,6 +249,6 @@ fn shot(name: &str, shape: BoundaryShape, shots: usize) -> Trial {
     scene.boundaries = vec![Boundary::new(shape, Vec3::ZERO)];
     scene.settings.max_particles = Some(shots as u32);
     scene.settings.bounds = Some((Vec3::splat(-10.0), Vec3::splat(10.0)));
-    let name = format!("{shots} particles fired at {name} at {speed} m/s");
-    Trial { shots, speed, ..still(name, scene, Vec::new(), 0.0) }
+    let fired = still(&format!("fired at {name}"), format!("{speed} m/s"), scene, Vec::new(), 0.0);
+    Trial { shots, speed, ..fired }
 }
