@@ -103,7 +103,7 @@ fn table(found: &[Found]) -> Table {
 
 fn csv(found: &[Found]) -> Csv {
     let comments = [
-        "What went through walls. Particles are followed at 240 looks a second; spacing 0.05 m.",
+        "What went through walls: `cargo run --release -p freshet_lab -- leaks`, or with `--method divergence-free`. Particles are followed at 240 looks a second; spacing 0.05 m.",
         "deepest: how far one got into a solid, in spacings, where that can be told.",
     ];
     let columns = ["trial", "pace", "method", "backend", "particles", "leaks", "removed", "deepest_spacings"];
