@@ -40,9 +40,11 @@ fn survives(name: &str, backend: Backend, scene: &FluidScene, tick: f32, ticks: 
         plan.boundary.positions.iter().map(|sample| sample.y).fold(0.0, f32::min) + plan.parameters.boundary_depth;
     let mut solver = backend.open(plan.clone(), None).unwrap();
     let start = energy(&plan, solver.as_mut(), floor);
-    // A scene that starts with none may have a hundredth of what its expected speed would be.
+    // A twentieth more than at the start; a scene that starts with none may have a hundredth of what its expected speed would be.
     let mass = plan.positions.len() as f64 * f64::from(plan.parameters.particle_mass);
-    let rounding = 0.005 * mass * f64::from(plan.parameters.expected_speed).powi(2);
+    let expected = 0.5 * mass * f64::from(plan.parameters.expected_speed).powi(2);
+    let most = if start < 1e-3 * expected { 0.01 * expected } else { 1.05 * start };
+    let mut largest = start;
     let mut last = StepReport::default();
     for number in 0..ticks {
         last = solver.step(&StepInput { tick: number, duration: tick, ..StepInput::default() }).unwrap();
@@ -51,11 +53,10 @@ fn survives(name: &str, backend: Backend, scene: &FluidScene, tick: f32, ticks: 
         assert_eq!((last.inside_solids, last.beside_solids), (0, 0), "{name} on {backend}, tick {number}: {last:?}");
         assert_eq!(last.particles as usize, plan.positions.len(), "{name} on {backend}, tick {number}");
         assert!(last.max_speed.is_finite() && last.mean_compression.is_finite(), "{name} on {backend}: {last:?}");
-        assert!(
-            now <= 1.05 * start + rounding,
-            "{name} on {backend}, tick {number}: {now} J after {start} J, {last:?}"
-        );
+        assert!(now <= most, "{name} on {backend}, tick {number}: {now} J after {start} J, {last:?}");
+        largest = largest.max(now);
     }
+    println!("{name} on {backend}: at most {largest:.6e} J after {start:.6e} J, allowed {most:.6e} J");
     last
 }
 
