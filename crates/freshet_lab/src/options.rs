@@ -9,7 +9,7 @@ use crate::backend::Backend;
 /// What every command understands.
 #[derive(Args, Clone, Debug)]
 pub struct CommonOptions {
-    /// Short form for tests: under a minute on the CPU, two with a software GPU driver. Coarser or shorter; says so.
+    /// Short form for tests: under a minute on the CPU, two with a software GPU driver. Coarser or shorter: the command says so first.
     #[arg(long)]
     pub quick: bool,
     /// Which solver runs. Each command says what it takes when this is not given.

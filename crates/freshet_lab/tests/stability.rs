@@ -12,7 +12,7 @@ fn assert_bracketed(backend: Backend, situation: Situation) -> Result<(), LabErr
     assert_eq!(survives(&configuration, 0.4)?, None, "{configuration} at the plan's own step");
     let failure = survives(&configuration, 3.5)?;
     assert!(
-        matches!(failure, Some(Failure::Energy | Failure::Compression | Failure::Lost)),
+        matches!(failure, Some(Failure::Energy | Failure::Compression | Failure::Lost | Failure::NotFinite)),
         "{configuration}: {failure:?}"
     );
     Ok(())

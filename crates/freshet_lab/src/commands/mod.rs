@@ -3,6 +3,8 @@
 use clap::Subcommand;
 
 use crate::error::LabError;
+use crate::options::CommonOptions;
+use crate::output::say;
 use crate::verdict::Verdict;
 
 pub mod bench;
@@ -17,30 +19,42 @@ pub mod validate;
 
 /// What the laboratory can do.
 #[derive(Subcommand, Debug)]
+#[expect(missing_docs, reason = "a comment here would hide that of the arguments from --help")]
 pub enum Command {
-    /// Dam breaks against Martin & Moyce 1952 and Lobovsky 2014: the front over time at several resolutions.
     DamBreak(dam_break::DamBreakArgs),
-    /// A column of water at rest: floor pressure, weight on the container, surface level, compression, speed.
     Column(column::ColumnArgs),
-    /// A rapier ball of half the density of water: draft, heave, momentum ledger, at several latencies.
     Float(float::FloatArgs),
-    /// Thin walls, moving walls and every shape under fire: nothing may get through.
     Leaks(leaks::LeaksArgs),
-    /// Every case of the registry against exact solutions and measurements, at three resolutions.
     Validate(validate::ValidateArgs),
-    /// The largest stable step for every kernel, number of neighbours, speed of sound and equation of state.
     Stability(stability::StabilityArgs),
-    /// Speed: nanoseconds per particle and step by scene, size, pass and number of threads, within a time.
     Bench(bench::BenchArgs),
-    /// Freshet, salva3d and SPlisHSPlasH in the benchmark tank, in turn in one run.
     Peers(peers::PeersArgs),
-    /// All charts, tables and pictures of the last runs on one HTML page.
     Report(report::ReportArgs),
 }
 
 impl Command {
+    /// The options that it shares with others.
+    fn common(&self) -> Option<&CommonOptions> {
+        match self {
+            Command::DamBreak(args) => Some(&args.common),
+            Command::Column(args) => Some(&args.common),
+            Command::Float(args) => Some(&args.common),
+            Command::Leaks(args) => Some(&args.common),
+            Command::Validate(args) => (!args.list).then_some(&args.common),
+            Command::Stability(args) => Some(&args.common),
+            Command::Bench(args) => Some(&args.common),
+            Command::Peers(args) => Some(&args.common),
+            Command::Report(_) => None,
+        }
+    }
+
     /// Runs it.
     pub fn run(&self) -> Result<Verdict, LabError> {
+        if self.common().is_some_and(|common| common.quick) {
+            say(
+                "quick form: coarser, shorter or fewer cases than the full one; its numbers are not those of the full form",
+            );
+        }
         match self {
             Command::DamBreak(args) => dam_break::run(args),
             Command::Column(args) => column::run(args),

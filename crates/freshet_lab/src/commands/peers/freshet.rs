@@ -2,7 +2,7 @@
 
 use freshet_core::plan::Plan;
 
-use super::run::{FRAME_INTERVAL, Finished, Frame, Task};
+use super::run::{FRAME_INTERVAL, Finished, Frame, Kept, Task};
 use crate::backend::Backend;
 use crate::drive::Drive;
 use crate::error::LabError;
@@ -27,5 +27,6 @@ pub fn run(task: &Task, method: Method, backend: Backend, progress: &mut Progres
         progress.at(f64::from(frame) / f64::from(task.frames()));
     }
     let account = drive.account();
-    Ok(Finished { wall: account.wall, steps: account.substeps, frames })
+    let kept = Some(Kept { lost: account.lost, time_scale: account.time_scale });
+    Ok(Finished { wall: account.wall, steps: account.substeps, frames, kept })
 }

@@ -2,7 +2,7 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::{Peer, Run};
+use super::{Kept, Peer, Run};
 use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::error::LabError;
 use crate::measure::statistics::{median, spread};
@@ -110,11 +110,14 @@ fn csv(runs: &[Run], date: &str) -> Csv {
         "compression_99th_percent",
         "compression_max_percent",
         "lost_volume_percent",
+        "lost_particles",
+        "time_scale",
         "front_m",
     ];
     let mut csv = Csv::new([comment.as_str()], &columns);
     for run in runs {
         let fronts: Vec<String> = run.front.iter().map(|front| format!("{front:.4}")).collect();
+        let kept = |text: fn(&Kept) -> String| run.kept.as_ref().map_or("unknown".to_owned(), text);
         csv.row([
             run.peer.system().to_owned(),
             run.version.clone(),
@@ -130,6 +133,8 @@ fn csv(runs: &[Run], date: &str) -> Csv {
             format!("{:.4}", run.crowding.percentile_99),
             format!("{:.3}", run.crowding.maximum),
             format!("{:.4}", run.crowding.lost_volume),
+            kept(|kept| kept.lost.to_string()),
+            kept(|kept| format!("{:.4}", kept.time_scale)),
             fronts.join(" "),
         ]);
     }
@@ -248,6 +253,8 @@ mod tests {
         assert!(text.contains("3.50 (3.00 to 4.00)"), "{text}");
         let text = csv(&runs, "2026-01-02").text().to_owned();
         assert_eq!(text.lines().count(), 6, "{text}");
+        assert_eq!(text.matches(",0,1.0000,").count(), 2, "ours say what they lost: {text}");
+        assert_eq!(text.matches(",unknown,unknown,").count(), 2, "{text}");
         assert!(text.starts_with("# Systems in the benchmark tank, 2026-01-02"), "{text}");
         assert_eq!(chart(&runs).panels[1].series.len(), 3);
     }

@@ -36,6 +36,15 @@ pub struct Frame {
     pub positions: Vec<Vec3>,
 }
 
+/// What a system says of its own run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kept {
+    /// Particles lost: removed or refused.
+    pub lost: u64,
+    /// Smallest time covered over time asked for of any tick.
+    pub time_scale: f64,
+}
+
 /// A finished run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finished {
@@ -45,4 +54,6 @@ pub struct Finished {
     pub steps: u64,
     /// Every [`FRAME_INTERVAL`], without the start.
     pub frames: Vec<Frame>,
+    /// What it says of itself; none of systems that say nothing.
+    pub kept: Option<Kept>,
 }

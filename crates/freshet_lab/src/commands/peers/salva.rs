@@ -69,7 +69,7 @@ fn simulate(task: &Task, tolerance: f32, progress: &mut Progress) -> Result<Fini
         }
         progress.at(time / task.seconds);
     }
-    Ok(Finished { wall, steps, frames })
+    Ok(Finished { wall, steps, frames, kept: None })
 }
 
 /// A cubic metre of water.

@@ -49,7 +49,6 @@ pub fn read(output: &Output) -> Result<Vec<Found>, LabError> {
 fn parse(line: &str) -> Option<Found> {
     let cells: Vec<&str> = line.split(',').collect();
     let &[backend, situation, option, kernel, neighbours, sound, stable, failure] = &cells[..] else { return None };
-    let failures = [Failure::Lost, Failure::Energy, Failure::Compression, Failure::Crowded];
     let configuration = Configuration {
         backend: [Backend::Cpu, Backend::Gpu].into_iter().find(|known| known.name() == backend)?,
         situation: Situation::ALL.into_iter().find(|known| known.name() == situation)?,
@@ -60,7 +59,7 @@ fn parse(line: &str) -> Option<Found> {
     };
     let failure = match failure {
         NONE => None,
-        name => Some(failures.into_iter().find(|known| known.name() == name)?),
+        name => Some(Failure::ALL.into_iter().find(|known| known.name() == name)?),
     };
     Some(Found { configuration, stable: stable.parse().ok()?, failure, runs: 0 })
 }
@@ -149,12 +148,17 @@ fn map(found: &[&Found]) -> HeatMap {
             cells.push(groups.iter().flat_map(of_group).collect());
         }
     }
-    let letters = [Failure::Lost, Failure::Energy, Failure::Compression, Failure::Crowded];
-    let letters: Vec<String> = letters.map(|failure| format!("{}: {}", failure.letter(), failure.name())).into();
+    // What no file holds any more needs no letter.
+    let drawn = |failure: &Failure| {
+        *failure != Failure::LostOrNotFinite || found.iter().any(|found| found.failure == Some(*failure))
+    };
+    let letters = Failure::ALL.into_iter().filter(drawn);
+    let letters: Vec<String> = letters.map(|failure| format!("{}: {}", failure.letter(), failure.name())).collect();
     HeatMap {
         title: "Largest stable step, dt (c + v) / h".to_owned(),
         notes: vec![
             format!("Above that number the run fails by {}.", letters.join(", ")),
+            format!(">= {MOST}: the largest step tried was stable; < {LEAST}: the smallest was not. The limit itself is unknown."),
             "h is half the support radius, v the largest speed in the flow; c over the largest speed expected in the head."
                 .to_owned(),
             "DFSPH has no sound: its number is dt v / d, and its steps are limited by pressure, too.".to_owned(),
@@ -178,5 +182,38 @@ fn map(found: &[&Found]) -> HeatMap {
             })
             .collect(),
         cells,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// Rows from before numbers that are not finite and lost particles were told apart stay as they are.
+    #[test]
+    fn the_recorded_map_is_read_and_written_as_it_is() -> Result<(), LabError> {
+        let recorded = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/charts");
+        let found = read(&Output::new(&recorded)?)?;
+        assert!(found.iter().any(|found| found.failure == Some(Failure::LostOrNotFinite)));
+        let folder = std::env::temp_dir().join(format!("freshet_lab_stability_map_{}", std::process::id()));
+        let output = Output::new(&folder)?;
+        write(&output, &found)?;
+        let text = |path: &Path| std::fs::read_to_string(path).map_err(LabError::file(path));
+        assert_eq!(text(&output.path(FILES[0]))?, text(&recorded.join(FILES[0]))?);
+        let map = text(&output.path(FILES[1]))?;
+        assert!(map.contains("L/N: lost or not finite") && map.contains("0.94 L/N") && map.contains("&gt;= 4"));
+        std::fs::remove_dir_all(&folder).map_err(LabError::file(&folder))
+    }
+
+    #[test]
+    fn the_legend_has_a_letter_of_its_own_for_each_failure() {
+        let configuration = Configuration::of_defaults(Backend::Cpu, Situation::Calm);
+        let found = Found { configuration, stable: MOST, failure: None, runs: 1 };
+        let map = map(&[&found]);
+        assert!(map.notes[0].contains("N: not finite, L: particle lost, E: energy"), "{}", map.notes[0]);
+        assert!(!map.notes[0].contains("L/N") && map.notes[1].starts_with(">= 4"), "{:?}", map.notes);
+        assert_eq!(map.cells[0][0].as_ref().map(|cell| cell.label.as_str()), Some(">= 4"));
     }
 }

@@ -71,8 +71,9 @@ pub enum SolverOption {
     NearPressure,
     /// Morris' viscosity in place of Monaghan's, as large as that acts: `nu = alpha c h / 10` (Monaghan 2005, eq. 8.8).
     Morris,
-    /// Divergence-free SPH with its default tolerances, on the CPU. Its number is the way of the fastest particle in a step over the
-    /// spacing, `v dt / d`; steps are limited by the pressure, too, as in every plan: in water at rest nothing goes any way.
+    /// Divergence-free SPH with its default tolerances, tried on the CPU only. Its number is the way of the fastest particle in a
+    /// step over the spacing, `v dt / d`; steps are limited by the pressure, too, as in every plan: in water at rest nothing goes any
+    /// way.
     DivergenceFree,
 }
 
@@ -195,8 +196,12 @@ impl std::fmt::Display for Configuration {
 /// How a run failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// A number that is not finite, or a particle lost.
+    /// A number that is not finite.
+    NotFinite,
+    /// A particle lost: it left the bounds, or a number of it was not finite and the solver removed it.
     Lost,
+    /// One of the two above, in files from before they were told apart; no run ends so any more.
+    LostOrNotFinite,
     /// Kinetic energy and energy of height above 1.05 of the start.
     Energy,
     /// Mean compression above 5 % in a substep.
@@ -206,10 +211,16 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// All of them, in the order of the map's legend.
+    pub const ALL: [Self; 6] =
+        [Self::NotFinite, Self::Lost, Self::LostOrNotFinite, Self::Energy, Self::Compression, Self::Crowded];
+
     /// Letter in the map.
     pub fn letter(self) -> &'static str {
         match self {
+            Self::NotFinite => "N",
             Self::Lost => "L",
+            Self::LostOrNotFinite => "L/N",
             Self::Energy => "E",
             Self::Compression => "C",
             Self::Crowded => "P",
@@ -219,7 +230,9 @@ impl Failure {
     /// What the letter stands for.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Lost => "lost or not finite",
+            Self::NotFinite => "not finite",
+            Self::Lost => "particle lost",
+            Self::LostOrNotFinite => "lost or not finite",
             Self::Energy => "energy",
             Self::Compression => "compression",
             Self::Crowded => "pairs too near",
@@ -253,7 +266,7 @@ pub fn survives(configuration: &Configuration, number: f64) -> Result<Option<Fai
         // Not-a-number is not at most anything.
         let now = energy(gravity, &positions, &velocities);
         if !now.is_finite() {
-            return Ok(Some(Failure::Lost));
+            return Ok(Some(Failure::NotFinite));
         }
         if now > 1.05 * start {
             return Ok(Some(Failure::Energy));
@@ -267,9 +280,11 @@ pub fn survives(configuration: &Configuration, number: f64) -> Result<Option<Fai
 }
 
 fn failure(report: &StepReport, particles: usize) -> Option<Failure> {
-    if report.removed > 0 || report.particles as usize != particles || !report.max_speed.is_finite() {
+    if !report.max_speed.is_finite() || !report.mean_compression.is_finite() {
+        Some(Failure::NotFinite)
+    } else if report.removed > 0 || report.particles as usize != particles {
         Some(Failure::Lost)
-    } else if report.mean_compression.is_nan() || report.mean_compression > 0.05 {
+    } else if report.mean_compression > 0.05 {
         Some(Failure::Compression)
     } else {
         None

@@ -31,7 +31,7 @@ pub const DAM_BREAK: Case = Case {
 /// The same with the incompressible solver.
 pub const DAM_BREAK_DFSPH: Case = Case {
     name: "dam-break-dfsph",
-    about: "the same fronts with divergence-free SPH, which the CPU has",
+    about: "the same fronts with divergence-free SPH",
     run: |job: &Job| {
         let (common, threads) = (job.options(), job.threads);
         let method = Method::DivergenceFree;

@@ -25,7 +25,7 @@ pub const CASE: Case = Case {
 /// The same with the incompressible solver.
 pub const DIVERGENCE_FREE: Case = Case {
     name: "hydrostatic-dfsph",
-    about: "the same with divergence-free SPH, which the CPU has",
+    about: "the same with divergence-free SPH: pressure against depth, level and speed; exact",
     run: |job| INCOMPRESSIBLE.run(job),
 };
 
