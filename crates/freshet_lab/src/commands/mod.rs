@@ -18,7 +18,7 @@ pub mod validate;
 /// What the laboratory can do.
 #[derive(Subcommand, Debug)]
 pub enum Command {
-    /// Dam breaks against Martin & Moyce 1952 and Lobovsky 2014: the front over time at several resolutions.
+    /// Dam breaks against Martin & Moyce 1952 and Lobovsky 2014: front and column height over time at several resolutions.
     DamBreak(dam_break::DamBreakArgs),
     /// A column of water at rest: floor pressure, weight on the container, surface level, compression, speed.
     Column(column::ColumnArgs),
