@@ -1,7 +1,7 @@
 //! The dam breaks in their quick form, on both backends.
 
 use freshet_lab::backend::Backend;
-use freshet_lab::commands::dam_break::{Run, simulate};
+use freshet_lab::commands::dam_break::{COARSE_HEIGHT_RMS_BOUND, Run, simulate};
 use freshet_lab::error::LabError;
 use freshet_lab::method::Method;
 use freshet_lab::progress::Progress;
@@ -20,6 +20,11 @@ fn assert_near_the_experiment(run: &Run) {
     let (name, error) = (run.experiment.name, run.error);
     assert!(error.rms < 0.10, "{name} on {}: {error:?}", run.backend);
     assert!(error.rms_shifted < 0.05, "{name} on {}: {error:?}", run.backend);
+    assert_eq!(run.height_error.is_some(), !run.experiment.heights.is_empty(), "{name}");
+    if let Some(height) = run.height_error {
+        assert!(height.error.points == run.experiment.heights.len(), "{name} on {}: {height:?}", run.backend);
+        assert!(height.error.rms_shifted < COARSE_HEIGHT_RMS_BOUND, "{name} on {}: {height:?}", run.backend);
+    }
     assert!(
         run.account.lost == 0 && run.escaped == 0 && run.account.time_scale > 0.999,
         "{name} on {}: {:?}",
@@ -29,7 +34,7 @@ fn assert_near_the_experiment(run: &Run) {
 }
 
 #[test]
-fn fronts_are_near_the_experiments() -> Result<(), LabError> {
+fn fronts_and_heights_are_near_the_experiments() -> Result<(), LabError> {
     for experiment in DamBreakExperiment::ALL {
         for method in Method::ALL {
             assert_near_the_experiment(&run(experiment, method, Backend::Cpu)?);
@@ -49,6 +54,12 @@ fn both_backends_have_the_same_front() -> Result<(), LabError> {
         // The clocks differ by rounding.
         let other = gpu.front.at(time).or(gpu.front.samples().last().map(|last| last.1)).unwrap_or(f64::NAN);
         assert!((other / front - 1.0).abs() < 0.02, "T = {time:.2}: cpu {front:.4}, gpu {other:.4}");
+    }
+    // The median of the highest layer: it falls from one particle to another, at most half a spacing apart.
+    let half_a_spacing = 0.5 / f64::from(RESOLUTION);
+    for &(time, height) in cpu.height.samples() {
+        let other = gpu.height.at(time).or(gpu.height.samples().last().map(|last| last.1)).unwrap_or(f64::NAN);
+        assert!((other - height).abs() < half_a_spacing, "T = {time:.2}: cpu {height:.4}, gpu {other:.4}");
     }
     Ok(())
 }

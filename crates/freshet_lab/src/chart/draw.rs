@@ -22,6 +22,8 @@ pub(super) const TEXT_SIZE: u32 = 18;
 pub(super) const TICK_SIZE: u32 = 16;
 const HEAD: u32 = 40;
 const FOOT: u32 = 40;
+/// With more panels than this there is another row.
+const MOST_SIDE_BY_SIDE: usize = 4;
 
 /// Draws a chart into a file of the output folder.
 pub fn draw(output: &Output, name: &str, chart: &Chart) -> Result<PathBuf, LabError> {
@@ -38,12 +40,18 @@ fn draw_into(svg: &mut String, chart: &Chart) -> Drawn {
     let (panels, foot) = rest.split_vertically(chart.size.1.saturating_sub(HEAD + FOOT));
     let title = text(TITLE_SIZE).pos(Pos::new(HPos::Center, VPos::Center));
     head.draw_text(&chart.title, &title, ((chart.size.0 / 2) as i32, (HEAD / 2) as i32))?;
-    for (area, panel) in panels.split_evenly((1, chart.panels.len().max(1))).iter().zip(&chart.panels) {
+    for (area, panel) in panels.split_evenly(grid(chart.panels.len())).iter().zip(&chart.panels) {
         draw_panel(area, panel)?;
     }
     draw_legend(&foot, chart)?;
     root.present()?;
     Ok(())
+}
+
+/// Rows and columns for panels.
+fn grid(panels: usize) -> (usize, usize) {
+    let rows = panels.div_ceil(MOST_SIDE_BY_SIDE).max(1);
+    (rows, panels.div_ceil(rows).max(1))
 }
 
 fn draw_panel(area: &Area<'_>, panel: &Panel) -> Drawn {
@@ -169,6 +177,11 @@ mod tests {
         // Two points inside each panel, and one in the legend.
         assert_eq!(svg.matches("<circle").count(), 5);
         Ok(())
+    }
+
+    #[test]
+    fn rows_are_filled_evenly() {
+        assert_eq!([0, 1, 3, 4, 5, 8, 9].map(grid), [(1, 1), (1, 1), (1, 3), (1, 4), (2, 3), (2, 4), (3, 3)]);
     }
 
     #[test]

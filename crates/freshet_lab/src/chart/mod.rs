@@ -1,4 +1,4 @@
-//! Charts as SVG: lines in one or more panels side by side with one legend below, and [heat maps](heat).
+//! Charts as SVG: lines in one or more panels, at most four side by side, with one legend below, and [heat maps](heat).
 //!
 //! Text is left to the viewer's fonts, so that no font library is needed.
 
@@ -116,7 +116,7 @@ impl Panel {
 pub struct Chart {
     /// Head line.
     pub title: String,
-    /// Side by side, left to right.
+    /// Side by side, left to right, in rows of at most four.
     pub panels: Vec<Panel>,
     /// Width and height, px.
     pub size: (u32, u32),

@@ -42,12 +42,12 @@ const SECTIONS: [Section; 9] = [
     Section {
         stem: "dam_break",
         head: "Dam break",
-        about: "The front of the water against the experiments of Martin & Moyce 1952 and Lobovsky et al. 2014.",
+        about: "Front and height of the water against the experiments of Martin & Moyce 1952 and Lobovsky et al. 2014.",
     },
     Section {
         stem: "dam_break_dfsph",
         head: "Dam break, incompressible",
-        about: "The same fronts by divergence-free SPH, with a tenth of the substeps.",
+        about: "The same by divergence-free SPH, with a tenth of the substeps.",
     },
     Section {
         stem: "column",

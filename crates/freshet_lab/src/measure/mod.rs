@@ -10,3 +10,4 @@ pub mod machine;
 pub mod reference_error;
 pub mod spacing;
 pub mod statistics;
+pub mod wall_height;

@@ -28,12 +28,18 @@ pub struct ReferenceError {
 }
 
 impl ReferenceError {
+    /// The root mean square with a given shift of the clock, over the same points as [`Self::between`] does.
+    ///
+    /// None if there is no such point, or the shifted curve does not cover them all.
+    pub fn with_shift(simulated: &Curve, measured: &[(f64, f64)], window: (f64, f64), shift: f64) -> Option<f64> {
+        Some(relative_error(simulated, &inside(measured, window), shift)?.0)
+    }
+
     /// Compares over the points with `window.0 < T < window.1`.
     ///
     /// None if there is no such point, or the curve does not cover them all.
     pub fn between(simulated: &Curve, measured: &[(f64, f64)], window: (f64, f64)) -> Option<Self> {
-        let points: Vec<(f64, f64)> =
-            measured.iter().copied().filter(|&(time, _)| time > window.0 && time < window.1).collect();
+        let points = inside(measured, window);
         let (rms, bias) = relative_error(simulated, &points, 0.0)?;
         let steps = (LARGEST_SHIFT / SHIFT_STEP).round() as i32;
         let (rms_shifted, shift) = (-steps..=steps)
@@ -42,6 +48,11 @@ impl ReferenceError {
             .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.abs().total_cmp(&b.1.abs())))?;
         Some(Self { rms, rms_shifted, shift, bias, points: points.len() })
     }
+}
+
+/// The points that count.
+fn inside(measured: &[(f64, f64)], window: (f64, f64)) -> Vec<(f64, f64)> {
+    measured.iter().copied().filter(|&(time, _)| time > window.0 && time < window.1).collect()
 }
 
 /// Root mean square and mean of `(Z_simulated(T - shift) - Z) / Z`.
@@ -81,6 +92,9 @@ mod tests {
         // The simulation is where the experiment will be 0.1 later.
         let error = ReferenceError::between(&line(1.0, -0.1), &POINTS, WINDOW);
         assert!(error.is_some_and(|e| e.rms > 0.03 && e.bias > 0.03 && e.rms_shifted < 1e-9), "{error:?}");
+        let given = |shift| ReferenceError::with_shift(&line(1.0, -0.1), &POINTS, WINDOW, shift);
+        assert!(given(0.1).is_some_and(|rms| rms < 1e-9), "{:?}", given(0.1));
+        assert_eq!(given(0.0), error.map(|e| e.rms));
         assert!(error.is_some_and(|e| (e.shift - 0.1).abs() < 1e-9), "{error:?}");
     }
 

@@ -44,4 +44,5 @@ pub static SQUARE: DamBreakExperiment = DamBreakExperiment {
         (1.5633, 2.6377),
         (1.5767, 2.6615),
     ],
+    heights: &[],
 };

@@ -3,20 +3,19 @@
 use crate::backend::Backend;
 use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::error::LabError;
+use crate::measure::reference_error::ReferenceError;
 use crate::method::Method;
 use crate::output::{Csv, Output};
 use crate::reference::dam_break::DamBreakExperiment;
 use crate::table::Table;
 
-use super::Run;
+use super::{HeightError, Run};
 
-/// Errors and cost; all curves; the chart.
-pub fn files(method: Method) -> [String; 3] {
-    let suffix = method.suffix();
-    [format!("dam_break{suffix}.csv"), format!("dam_break{suffix}_fronts.csv"), format!("dam_break{suffix}.svg")]
+/// Errors and cost; all fronts; all heights; the chart.
+pub fn files(method: Method) -> [String; 4] {
+    [".csv", "_fronts.csv", "_heights.csv", ".svg"].map(|end| format!("dam_break{}{end}", method.suffix()))
 }
 
-/// Written on top of the CSV files.
 /// The command that a file is from.
 fn command(method: Method) -> String {
     let option = match method {
@@ -26,21 +25,33 @@ fn command(method: Method) -> String {
     format!("Freshet, dam break: `cargo run --release -p freshet_lab -- dam-break{option} --out docs/charts`.")
 }
 
+/// Written on top of the CSV files of errors and fronts.
 const COMMENT: &str = "T = n t sqrt(g/a), Z = front/a, n^2 = height/width; front = 99.5th percentile of x plus d/2; slab 10 d deep.\n\
     RMS of (Z - Z_measured)/Z_measured over the measured points with 1 < T < 3.3 (Lobovsky 1.57). The simulation at T - shift is\n\
     compared with the experiment at T. Times are of the machine that ran it.";
 
+/// Written on top of those of errors and heights.
+const HEIGHT_COMMENT: &str = "H = height of the column at the back wall/(n^2 a), over tau = t sqrt(g/a) = T/n; the height up to which there is fluid over \
+    half of\na strip 2 d thick at the wall: median of its highest layer of particles plus d/2. RMS of (H - H_measured)/H_measured over \
+    all measured\npoints, with a shift of T of its own (shift within 0.2 as for the front), and with that of the front.";
+
 /// Writes all files anew.
 pub fn write(output: &Output, method: Method, runs: &[Run]) -> Result<(), LabError> {
-    let [table, curves, drawing] = files(method);
+    let [table, curves, columns, drawing] = files(method);
     output.write(&table, summary(method, runs).text())?;
     output.write(&curves, fronts(method, runs).text())?;
+    output.write(&columns, heights(method, runs).text())?;
     chart::draw(output, &drawing, &chart(method, runs))?;
     Ok(())
 }
 
 fn percent(share: f64) -> String {
     format!("{:.2}", share * 100.0)
+}
+
+/// A number about the height; nothing where it was not measured.
+fn of_height(run: &Run, text: impl Fn(&HeightError) -> String) -> String {
+    run.height_error.as_ref().map_or_else(String::new, text)
 }
 
 /// The printed table.
@@ -52,6 +63,9 @@ pub fn table(runs: &[Run]) -> Table {
         "particles",
         "RMS %",
         "bias %",
+        "shifted %",
+        "shift",
+        "height %",
         "shifted %",
         "shift",
         "s/s",
@@ -72,6 +86,9 @@ pub fn table(runs: &[Run]) -> Table {
             format!("{:+.2}", error.bias * 100.0),
             percent(error.rms_shifted),
             format!("{:+.3}", error.shift),
+            of_height(run, |height| percent(height.error.rms)),
+            of_height(run, |height| percent(height.error.rms_shifted)),
+            of_height(run, |height| format!("{:+.3}", height.error.shift)),
             format!("{:.2}", account.wall_per_simulated()),
             format!("{:.0}", account.nanoseconds_per_particle_step()),
             account.substeps.to_string(),
@@ -86,7 +103,7 @@ pub fn table(runs: &[Run]) -> Table {
 fn summary(method: Method, runs: &[Run]) -> Csv {
     let sources = DamBreakExperiment::ALL.map(|experiment| format!("{}: {}", experiment.name, experiment.source));
     let command = command(method);
-    let comments = [command.as_str(), COMMENT].into_iter().chain(sources.iter().map(String::as_str));
+    let comments = [command.as_str(), COMMENT, HEIGHT_COMMENT].into_iter().chain(sources.iter().map(String::as_str));
     let columns = [
         "case",
         "backend",
@@ -107,6 +124,12 @@ fn summary(method: Method, runs: &[Run]) -> Csv {
         "worst_mean_compression_percent",
         "lost_particles",
         "escaped_particles",
+        "height_rms_percent",
+        "height_bias_percent",
+        "height_rms_shifted_percent",
+        "height_shift",
+        "height_rms_with_shift_of_front_percent",
+        "height_points",
     ];
     let mut csv = Csv::new(comments, &columns);
     for run in runs {
@@ -131,6 +154,12 @@ fn summary(method: Method, runs: &[Run]) -> Csv {
             percent(account.worst_mean_compression),
             account.lost.to_string(),
             run.escaped.to_string(),
+            of_height(run, |height| percent(height.error.rms)),
+            of_height(run, |height| percent(height.error.bias)),
+            of_height(run, |height| percent(height.error.rms_shifted)),
+            of_height(run, |height| format!("{:.3}", height.error.shift)),
+            of_height(run, |height| percent(height.rms_with_shift_of_front)),
+            of_height(run, |height| height.error.points.to_string()),
         ]);
     }
     csv
@@ -153,15 +182,52 @@ fn fronts(method: Method, runs: &[Run]) -> Csv {
     csv
 }
 
+/// Over the time that is compared, by the clock of the heights.
+fn heights(method: Method, runs: &[Run]) -> Csv {
+    let mut csv = Csv::new([command(method).as_str(), HEIGHT_COMMENT], &["case", "source", "a_over_d", "tau", "H"]);
+    for experiment in measured_heights() {
+        for &(tau, height) in experiment.heights {
+            csv.row([experiment.name, "experiment", "", &format!("{tau:.4}"), &format!("{height:.4}")]);
+        }
+    }
+    for run in runs.iter().filter(|run| run.height_error.is_some()) {
+        let resolution = run.resolution.to_string();
+        for (tau, height) in heights_over_tau(run) {
+            let (tau, height) = (format!("{tau:.4}"), format!("{height:.4}"));
+            csv.row([run.experiment.name, run.backend.name(), &resolution, &tau, &height]);
+        }
+    }
+    csv
+}
+
+/// The experiments that measured the height of the column.
+fn measured_heights() -> impl Iterator<Item = &'static DamBreakExperiment> {
+    DamBreakExperiment::ALL.into_iter().filter(|experiment| !experiment.heights.is_empty())
+}
+
+/// `(tau, H)` of a run.
+fn heights_over_tau(run: &Run) -> Vec<(f64, f64)> {
+    let n = run.experiment.aspect.sqrt();
+    run.height.samples().iter().map(|&(time, height)| (time / n, height)).collect()
+}
+
 fn chart(method: Method, runs: &[Run]) -> Chart {
+    let fronts = DamBreakExperiment::ALL.into_iter().map(|experiment| front_panel(experiment, runs));
+    let heights = measured_heights().map(|experiment| height_panel(experiment, runs));
     Chart {
-        title: format!("Dam break, {}: front of the water against experiments", method.name()),
-        panels: DamBreakExperiment::ALL.map(|experiment| panel(experiment, runs)).into(),
-        size: (1320, 520),
+        title: format!("Dam break, {}: front and height of the water against experiments", method.name()),
+        panels: fronts.chain(heights).collect(),
+        size: (1320, 960),
     }
 }
 
-fn panel(experiment: &'static DamBreakExperiment, runs: &[Run]) -> Panel {
+/// A line a run, and the circles of the experiment.
+fn series(
+    experiment: &'static DamBreakExperiment,
+    runs: &[Run],
+    simulated: impl Fn(&Run) -> Vec<(f64, f64)>,
+    measured: &[(f64, f64)],
+) -> Vec<Series> {
     let mut resolutions: Vec<u32> = runs.iter().map(|run| run.resolution).collect();
     resolutions.sort_unstable();
     resolutions.dedup();
@@ -170,40 +236,64 @@ fn panel(experiment: &'static DamBreakExperiment, runs: &[Run]) -> Panel {
         let finer = resolutions.iter().filter(|&&other| other > resolution).count();
         Colour::BLUES[(Colour::BLUES.len() - 1).saturating_sub(finer)]
     };
-    let of_case = || runs.iter().filter(|run| run.experiment == experiment);
-    let mut series: Vec<Series> = of_case()
-        .map(|run| Series {
-            name: format!("{} at a/d = {}", run.backend.name().to_uppercase(), run.resolution),
-            mark: if run.backend == Backend::Gpu { Mark::Dashes(3) } else { Mark::Line(3) },
-            colour: if run.backend == Backend::Gpu { Colour::ORANGE } else { colour(run.resolution) },
-            points: run.front.samples().to_vec(),
-        })
-        .collect();
-    series.push(Series {
+    let lines = runs.iter().filter(|run| run.experiment == experiment).map(|run| Series {
+        name: format!("{} at a/d = {}", run.backend.name().to_uppercase(), run.resolution),
+        mark: if run.backend == Backend::Gpu { Mark::Dashes(3) } else { Mark::Line(3) },
+        colour: if run.backend == Backend::Gpu { Colour::ORANGE } else { colour(run.resolution) },
+        points: simulated(run),
+    });
+    let circles = Series {
         name: "experiment".to_owned(),
         mark: Mark::Circles(5),
         colour: Colour::INK,
-        points: experiment.points.to_vec(),
-    });
-    let finest = of_case().filter(|run| run.backend == Backend::Cpu).max_by_key(|run| run.resolution);
-    let notes = finest.map_or_else(Vec::new, |run| {
-        vec![
-            format!("RMS error at a/d = {}: {:.1} %", run.resolution, run.error.rms * 100.0),
-            format!("clock shifted by {:+.2}: {:.1} %", run.error.shift, run.error.rms_shifted * 100.0),
-        ]
-    });
+        points: measured.to_vec(),
+    };
+    lines.chain([circles]).collect()
+}
+
+/// The finest run of a case on the CPU.
+fn finest(experiment: &'static DamBreakExperiment, runs: &[Run]) -> Option<Run> {
+    let of_cpu = runs.iter().filter(|run| run.experiment == experiment && run.backend == Backend::Cpu);
+    of_cpu.max_by_key(|run| run.resolution).cloned()
+}
+
+fn notes(run: &Run, error: &ReferenceError) -> Vec<String> {
+    vec![
+        format!("RMS error at a/d = {}: {:.1} %", run.resolution, error.rms * 100.0),
+        format!("clock shifted by {:+.2}: {:.1} %", error.shift, error.rms_shifted * 100.0),
+    ]
+}
+
+fn front_panel(experiment: &'static DamBreakExperiment, runs: &[Run]) -> Panel {
     let end = experiment.points.last().map_or(experiment.window.1, |point| point.0);
     let highest = experiment.points.last().map_or(experiment.tank_length, |point| point.1);
     Panel {
         title: experiment.title.to_owned(),
-        notes,
+        notes: finest(experiment, runs).map_or_else(Vec::new, |run| notes(&run, &run.error)),
         x_label: "T = n t √(g/a), dimensionless".to_owned(),
         y_label: "Z = front / a, dimensionless".to_owned(),
         x_scale: Scale::Linear,
         x: (0.0, end * 1.05),
         y_scale: Scale::Linear,
         y: (1.0, 1.0 + (highest - 1.0) * 1.2),
-        series,
+        series: series(experiment, runs, |run| run.front.samples().to_vec(), experiment.points),
+    }
+}
+
+fn height_panel(experiment: &'static DamBreakExperiment, runs: &[Run]) -> Panel {
+    let end = experiment.heights.last().map_or(1.0, |point| point.0);
+    let of_finest = finest(experiment, runs).and_then(|run| Some((run.height_error?.error, run)));
+    Panel {
+        title: format!("{}, height", experiment.title),
+        notes: of_finest.map_or_else(Vec::new, |(error, run)| notes(&run, &error)),
+        x_label: "τ = t √(g/a), dimensionless".to_owned(),
+        y_label: "H = height / (n² a), dimensionless".to_owned(),
+        x_scale: Scale::Linear,
+        x: (0.0, end * 1.05),
+        y_scale: Scale::Linear,
+        // Room for the notes over the curves.
+        y: (0.0, 1.3),
+        series: series(experiment, runs, heights_over_tau, experiment.heights),
     }
 }
 
@@ -212,14 +302,26 @@ mod tests {
     use super::*;
     use crate::drive::Account;
     use crate::measure::curve::Curve;
-    use crate::measure::reference_error::ReferenceError;
 
     fn run(experiment: &'static DamBreakExperiment, resolution: u32, factor: f64) -> Option<Run> {
         let front: Curve = experiment.points.iter().map(|&(time, z)| (time, z * factor)).collect();
         let error = ReferenceError::between(&front, experiment.points, experiment.window)?;
+        let height = experiment.heights_over_time().into_iter().map(|(time, height)| (time, height * factor)).collect();
+        let height_error = HeightError::between(experiment, &height, 0.0);
         let account =
             Account { time_scale: 1.0, simulated: 1.0, substeps: 10, particle_steps: 1e4, ..Account::default() };
-        Some(Run { experiment, backend: Backend::Cpu, resolution, particles: 1000, front, error, escaped: 0, account })
+        Some(Run {
+            experiment,
+            backend: Backend::Cpu,
+            resolution,
+            particles: 1000,
+            front,
+            error,
+            height,
+            height_error,
+            escaped: 0,
+            account,
+        })
     }
 
     fn runs(factors: [f64; 2]) -> Vec<Run> {
@@ -233,6 +335,18 @@ mod tests {
         assert!(super::super::verdict(&runs([1.2, 1.04])).passes(), "4 % at the finest, 20 % at the coarsest");
         assert!(!super::super::verdict(&runs([1.2, 1.1])).passes(), "10 % at the finest");
         assert!(!super::super::verdict(&runs([1.01, 1.02])).passes(), "the finest is worse");
+        let low = |resolution: u32, share: f64| {
+            let mut runs = runs([1.2, 1.04]);
+            for run in runs.iter_mut().filter(|run| run.resolution == 32) {
+                run.resolution = resolution;
+                if let Some(height) = &mut run.height_error {
+                    height.error.rms_shifted = share;
+                }
+            }
+            super::super::verdict(&runs)
+        };
+        assert!(low(32, 0.049).passes() && !low(32, 0.051).passes(), "5 % for the height in full");
+        assert!(low(20, 0.29).passes() && !low(20, 0.31).passes(), "30 % for the height where it is coarse");
         let mut lossy = runs([1.2, 1.04]);
         lossy[0].account.lost = 1;
         assert!(!super::super::verdict(&lossy).passes(), "a particle is lost");
@@ -250,9 +364,19 @@ mod tests {
         let rows =
             fronts(Method::WeaklyCompressible, &runs).text().lines().filter(|line| line.contains(",cpu,")).count();
         assert_eq!(rows, 2 * DamBreakExperiment::ALL.iter().map(|e| e.points.len()).sum::<usize>());
+        assert!(text.lines().next_back().is_some_and(|line| line.ends_with(",0,0,,,,,,")), "no height there: {text}");
+        let tall = text.lines().find(|line| line.starts_with("martin_moyce_tall,cpu,32")).unwrap_or_default();
+        assert!(tall.ends_with(",4.00,17"), "{tall}");
+        let columns = heights(Method::DivergenceFree, &runs).text().to_owned();
+        assert!(columns.contains("martin_moyce_tall,experiment,,7.4000,0.0600"), "{columns}");
+        assert!(
+            columns.contains("martin_moyce_tall,cpu,32,7.4000,0.0624") && !columns.contains("lobovsky"),
+            "{columns}"
+        );
         let drawn = chart(Method::DivergenceFree, &runs);
         assert!(drawn.title.contains("DFSPH"));
-        assert_eq!(drawn.panels.len(), 3);
+        assert_eq!(drawn.panels.len(), 5);
         assert_eq!(drawn.panels[0].notes[0], "RMS error at a/d = 32: 4.0 %");
+        assert_eq!(drawn.panels[4].notes[0], "RMS error at a/d = 32: 4.0 %");
     }
 }

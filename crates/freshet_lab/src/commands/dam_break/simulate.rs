@@ -9,6 +9,7 @@ use crate::measure::containment::escaped;
 use crate::measure::curve::Curve;
 use crate::measure::front::front;
 use crate::measure::reference_error::{LARGEST_SHIFT, ReferenceError};
+use crate::measure::wall_height::wall_height;
 use crate::method::Method;
 use crate::progress::Progress;
 use crate::reference::dam_break::DamBreakExperiment;
@@ -29,13 +30,37 @@ pub struct Run {
     pub front: Curve,
     /// Against the experiment.
     pub error: ReferenceError,
+    /// Height `H` of the column at the back wall over `T`.
+    pub height: Curve,
+    /// That against the experiment; none where it was not measured.
+    pub height_error: Option<HeightError>,
     /// Particles that went through a wall.
     pub escaped: usize,
     /// What it cost.
     pub account: Account,
 }
 
-/// Time between two samples of the front, in units of `T`.
+/// How far the height of a column is from the experiment's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightError {
+    /// As it is, and with the shift of the clock that is best for it, over all measured points.
+    pub error: ReferenceError,
+    /// Root mean square with the shift that is best for the front: one clock for both.
+    pub rms_with_shift_of_front: f64,
+}
+
+impl HeightError {
+    /// None where the height was not measured, or the curve ends before the last measured point.
+    pub fn between(experiment: &DamBreakExperiment, height: &Curve, shift_of_front: f64) -> Option<Self> {
+        let (points, all) = (experiment.heights_over_time(), (0.0, f64::INFINITY));
+        Some(Self {
+            error: ReferenceError::between(height, &points, all)?,
+            rms_with_shift_of_front: ReferenceError::with_shift(height, &points, all, shift_of_front)?,
+        })
+    }
+}
+
+/// Time between two samples of front and height, in units of `T`.
 const SAMPLE: f64 = 0.02;
 
 /// Simulates until the last point that counts, and as much longer as the clock may be shifted.
@@ -50,12 +75,14 @@ pub fn simulate(
     let plan = Plan::new(&method.on(slab::scene(experiment, resolution)))?;
     let (particles, spacing) = (plan.positions.len(), plan.parameters.spacing);
     let unit = experiment.time_unit(GRAVITY);
-    let samples = ((experiment.window.1 + LARGEST_SHIFT) / SAMPLE).ceil() as u32;
+    let samples = ((experiment.end() + LARGEST_SHIFT) / SAMPLE).ceil() as u32;
 
-    let mut fronts = Curve::default();
+    let (mut fronts, mut heights) = (Curve::default(), Curve::default());
     let mut sample = |time: f64, positions: &[glam::Vec3]| match front(positions, spacing) {
         Some(x) => {
+            let height = wall_height(positions, slab::DEPTH_IN_SPACINGS, spacing);
             fronts.push(time / unit, x / experiment.width);
+            heights.push(time / unit, height / experiment.height());
             Ok(())
         }
         None => Err(LabError::Measure { what: "the front", reason: "all particles are gone".to_owned() }),
@@ -71,7 +98,23 @@ pub fn simulate(
         let reason = format!("the run ended at T = {:.3}, before the last point", drive.time() / unit);
         LabError::Measure { what: "the error of the front", reason }
     })?;
+    let height_error = HeightError::between(experiment, &heights, error.shift);
+    if height_error.is_none() && !experiment.heights.is_empty() {
+        let reason = format!("the run ended at T = {:.3}, before the last point", drive.time() / unit);
+        return Err(LabError::Measure { what: "the error of the height", reason });
+    }
     let escaped = escaped(&drive.positions()?, glam::Vec3::ZERO, slab::tank(experiment, resolution));
     let account = drive.account().clone();
-    Ok(Run { experiment, backend, resolution, particles, front: fronts, error, escaped, account })
+    Ok(Run {
+        experiment,
+        backend,
+        resolution,
+        particles,
+        front: fronts,
+        error,
+        height: heights,
+        height_error,
+        escaped,
+        account,
+    })
 }

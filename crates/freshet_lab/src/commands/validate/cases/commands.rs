@@ -21,7 +21,7 @@ pub const COLUMN: Case = Case {
 /// See [`dam_break`].
 pub const DAM_BREAK: Case = Case {
     name: "dam-break",
-    about: "front of a collapsing column against Martin & Moyce 1952 (n^2 = 1, 2) and Lobovsky et al. 2014",
+    about: "front and height of a collapsing column against Martin & Moyce 1952 (n^2 = 1, 2) and Lobovsky et al. 2014",
     run: |job: &Job| {
         let (common, threads) = (job.options(), job.threads);
         found(dam_break::run(&DamBreakArgs { common, threads, resolutions: Vec::new(), method: Method::default() }))
@@ -31,7 +31,7 @@ pub const DAM_BREAK: Case = Case {
 /// The same with the incompressible solver.
 pub const DAM_BREAK_DFSPH: Case = Case {
     name: "dam-break-dfsph",
-    about: "the same fronts with divergence-free SPH",
+    about: "the same with divergence-free SPH",
     run: |job: &Job| {
         let (common, threads) = (job.options(), job.threads);
         let method = Method::DivergenceFree;
