@@ -73,18 +73,6 @@ impl<'a> Reference<'a> {
         (0..self.x.len()).map(of).collect()
     }
 
-    /// What surfaces of walls that move as belts do would add to these rates if their samples moved along.
-    #[allow(dead_code)] // Not every test has belts.
-    pub fn belts(&self) -> Vec<f64> {
-        let velocities = &self.plan.boundary.velocities;
-        let of = |a: &DVec3| {
-            let walls = self.walls.iter().zip(velocities);
-            let sum: f64 = walls.map(|((x, volume), v)| volume * v.as_dvec3().dot(self.gradient(a - x))).sum();
-            -sum / f64::from(self.plan.parameters.density_calibration)
-        };
-        self.x.iter().map(of).collect()
-    }
-
     /// Accelerations by pressures `p / rho^2`.
     pub fn accelerations(&self, pressures: &[f64]) -> Vec<DVec3> {
         let p = &self.plan.parameters;
