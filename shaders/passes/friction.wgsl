@@ -67,8 +67,12 @@ fn friction(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
 #ifdef INCOMPRESSIBLE
     let pressure = fields::solved_pressure(a);
 #else
-    let pressure = max(equation_of_state::pressure_term(motion.w), 0.0);
+    let pressure = equation_of_state::pressure_term(motion.w);
 #endif
+    // What does not press is not held.
+    if (pressure <= 0.0) {
+        return;
+    }
     let push = push_on(position, place);
     let scale = -fields::parameters.sample_force_scale * pressure;
     let dt = fields::control.substep;

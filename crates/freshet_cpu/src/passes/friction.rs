@@ -97,8 +97,13 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
             rough.pack(simd, list, [walls_x, walls_y, walls_z, at_rest, sliding], own[0][0]);
             add_walls::<S, K>(simd, in_radii, own, rough, sums);
             for (i, &[sx, sy, sz, kx, ky, kz]) in range.clone().zip(&*sums) {
+                let pressure = inputs.pressure_term[i];
+                // What does not press is not held.
+                if pressure <= 0.0 {
+                    continue;
+                }
                 let at = i - chunk.particles.start;
-                let push = inputs.factor * inputs.pressure_term[i].max(0.0);
+                let push = inputs.factor * pressure;
                 let [most, sliding] = [[sx, sy, sz], [kx, ky, kz]].map(|sum| push * sum_vector(simd, sum));
                 let before = Vec3::new(ax[at], ay[at], az[at]);
                 let velocity = inputs.particles.velocity_of(i) + inputs.dt * before;
