@@ -4,6 +4,9 @@
 
 #import freshet::bindings as fields
 #import freshet::threads
+#ifdef INCOMPRESSIBLE
+#import freshet::solve
+#endif
 
 // Writes what the next dispatches are told. `going`: whether another substep follows.
 fn write_arguments(going: bool) {
@@ -25,6 +28,12 @@ fn write_solve_arguments(first: bool, iterations: bool, density: bool) {
     fields::set_arguments(#{ARGUMENTS_FIRST}u, threads::groups_for(select(0u, live, first)));
     fields::set_arguments(#{ARGUMENTS_ITERATIONS}u, threads::groups_for(select(0u, live, iterations)));
     fields::set_arguments(#{ARGUMENTS_DENSITY}u, threads::groups_for(select(0u, live, density)));
+#ifdef BODIES
+    // Positions are corrected about bodies that stand still.
+    let answering = iterations && fields::control.solve_phase == solve::DIVERGENCE;
+    fields::set_arguments(#{ARGUMENTS_PUSHES}u, threads::groups_for(select(0u, fields::parameters.body_samples, answering)));
+    fields::set_arguments(#{ARGUMENTS_ANSWERS}u, threads::group_grid(select(0u, fields::parameters.bodies, answering)));
+#endif
 }
 #endif
 

@@ -21,9 +21,13 @@ const MUCH: f32 = 3.0e38;
 var<workgroup> group_low: atomic<u32>;
 var<workgroup> group_high: atomic<u32>;
 
+fn left_units(wrong: f32) -> u32 {
+    return u32(min(select(0.0, wrong, threads::is_finite(wrong)), 1.0) * LEFT_UNIT);
+}
+
 // Adds to the group's sum: a group of 256 times 2^16 fits into either half.
 fn add_left(wrong: f32) {
-    let units = u32(min(select(0.0, wrong, threads::is_finite(wrong)), 1.0) * LEFT_UNIT);
+    let units = left_units(wrong);
     atomicAdd(&group_low, units & 0xffffu);
     atomicAdd(&group_high, units >> 16u);
 }
@@ -41,7 +45,12 @@ fn publish_left() {
 fn take_mean_left() -> f32 {
     let low = atomicExchange(&fields::control.left_low, 0u);
     let high = atomicExchange(&fields::control.left_high, 0u);
-    return (f32(high) * 4.0 + f32(low) / LEFT_UNIT) / f32(max(fields::control.live, 1u));
+    return in_ones(vec2<u32>(low, high)) / f32(max(fields::control.live, 1u));
+}
+
+// A sum of what is left, lower half first.
+fn in_ones(sum: vec2<u32>) -> f32 {
+    return f32(sum.y) * 4.0 + f32(sum.x) / LEFT_UNIT;
 }
 
 // Single threads: a solve begins, before its first `set_momentum`.

@@ -2,6 +2,7 @@
 // and, where the plan has a near pressure, -(m/G) sum_b (2 k/rho0) F_near x_ab (freshet_core::near_pressure).
 // P_a of an incompressible fluid is that of the last substep.
 // Pressure form: Monaghan 1992, eq. 3.3. Pi_ab: Monaghan 1992, eq. 4.1, with beta = 0, for all pairs (Monaghan 2005).
+// Where supports vary, pairs of the fluid have the mean of both (freshet_core::variable_support).
 // Pi_ak is that of a particle at rest with the density of a, for samples of viscous faces only; Morris' viscosity acts there in
 // its stead. The b come from the bits that the density pass left, see library/hits.wgsl.
 
@@ -37,6 +38,9 @@ struct Own {
 #endif
 #ifdef NEAR_PRESSURE
     near_pressure: f32,
+#endif
+#ifdef WIDTHS
+    width: f32,
 #endif
 }
 
@@ -79,6 +83,9 @@ fn own_of(a: u32) -> Own {
 #ifdef NEAR_PRESSURE
     own.near_pressure = fields::parameters.near_pressure;
 #endif
+#ifdef WIDTHS
+    own.width = fields::width(a);
+#endif
     return own;
 }
 
@@ -95,7 +102,13 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
     let x = grid::difference(own.position, fields::sorted_position(b));
     let r_squared = dot(x, x);
     let q = sqrt(r_squared) * own.inverse_radius;
+#ifdef WIDTHS
+    let inverse_width = 2.0 / (own.width + fields::width(b));
+    let square = inverse_width * inverse_width;
+    let slope = square * square * inverse_width * kernels::slope_over_q(q * inverse_width);
+#else
     let slope = kernels::slope_over_q(q);
+#endif
 #ifdef NEAR_PRESSURE
     let near = own.near_pressure * near_slope(q);
 #else

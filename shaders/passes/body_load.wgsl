@@ -1,5 +1,8 @@
 // Force and torque of the fluid on each body. Sample k feels (1/G) m rho0 V_k sum_a P_a F x_ak: the opposite of what the
 // particles felt from it.
+//
+// body_load, body_sum: by the pressures; of an incompressible fluid by those of the last substep.
+// body_push, body_answer: in an iteration of its divergence solve by the change of pressures, and how bodies answer.
 
 #import freshet::bindings as fields
 #import freshet::grid
@@ -7,13 +10,21 @@
 #import freshet::rotation
 #import freshet::threads
 
-#ifdef BODY_LOAD
-@compute @workgroup_size(#{WORKGROUP_SIZE})
-fn body_load(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let k = threads::thread_index(group, local);
-    if (k >= fields::parameters.body_samples) {
-        return;
-    }
+#ifndef BODY_SUM
+#ifndef BODY_ANSWER
+fn pressure_of(a: u32) -> f32 {
+#ifdef BODY_PUSH
+    return fields::change(a);
+#else
+#ifdef INCOMPRESSIBLE
+    return fields::solved_pressure(a);
+#else
+    return fields::pressure_term(a);
+#endif
+#endif
+}
+
+fn load_sample(k: u32) {
     let body = fields::body_of_sample(k);
     let arm = rotation::rotate(fields::body_rotation(body), fields::sample_offset(k));
     let position = fields::body_position(body) + arm;
@@ -32,25 +43,45 @@ fn body_load(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
             let a = grid::member(around, t);
             let x = grid::difference(fields::sorted_position(a), position);
             let q = length(x) * inverse_radius;
-            sum += (fields::pressure_term(a) * kernels::slope_over_q(q)) * x;
+            sum += (pressure_of(a) * kernels::slope_over_q(q)) * x;
         }
     }
     let force = (fields::parameters.body_force_scale * fields::sample_volume(k)) * sum;
     fields::set_sample_load(k, force, cross(arm, force));
 }
 #endif
+#endif
 
-#ifdef BODY_SUM
+#ifdef BODY_LOAD
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn body_load(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let k = threads::thread_index(group, local);
+    if (k < fields::parameters.body_samples) {
+        load_sample(k);
+    }
+}
+#endif
+
+#ifdef BODY_PUSH
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn body_push(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let k = threads::thread_index(group, local);
+    if (k < fields::parameters.body_samples) {
+        load_sample(k);
+    }
+}
+#endif
+
+#ifndef BODY_LOAD
+#ifndef BODY_PUSH
 // A fixed tree, whatever the size of a workgroup: LEAVES sums of every LEAVES-th sample, then halves onto halves.
 const LEAVES: u32 = 256u;
 
 var<workgroup> force: array<vec3<f32>, LEAVES>;
 var<workgroup> torque: array<vec3<f32>, LEAVES>;
 
-// One workgroup a body.
-@compute @workgroup_size(#{WORKGROUP_SIZE})
-fn body_sum(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let body = threads::group_index(group);
+// Sums over the samples of a body, into the first leaf; one workgroup a body.
+fn sum_samples(body: u32, local: u32) {
     var first = 0u;
     var end = 0u;
     if (body < fields::parameters.bodies) {
@@ -75,8 +106,33 @@ fn body_sum(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
         }
         workgroupBarrier();
     }
+}
+#endif
+#endif
+
+#ifdef BODY_SUM
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn body_sum(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let body = threads::group_index(group);
+    sum_samples(body, local);
     if (local == 0u && body < fields::parameters.bodies) {
         fields::set_body_load(body, force[0], torque[0]);
+#ifdef INCOMPRESSIBLE
+        fields::begin_answer(body, fields::body_inverse_mass(body) > 0.0);
+#endif
+    }
+}
+#endif
+
+#ifdef BODY_ANSWER
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn body_answer(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let body = threads::group_index(group);
+    sum_samples(body, local);
+    if (local == 0u && body < fields::parameters.bodies) {
+        let linear = force[0] * fields::body_inverse_mass(body);
+        let angular = fields::body_inverse_inertia(body) * torque[0];
+        fields::set_answer(body, force[0], torque[0], linear, angular);
     }
 }
 #endif

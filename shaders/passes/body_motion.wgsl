@@ -80,8 +80,14 @@ fn body_motion(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         return;
     }
     let dt = fields::control.substep;
+#ifdef INCOMPRESSIBLE
+    // What the divergence solve changed.
+    let force = fields::body_force(body) + fields::answer_force(body);
+    let torque = fields::body_torque(body) + fields::answer_torque(body);
+#else
     let force = fields::body_force(body);
     let torque = fields::body_torque(body);
+#endif
     fields::add_body_impulse(body, fields::control.tick_slot, force * dt, torque * dt);
     let push = force * fields::body_inverse_mass(body) + fields::body_acceleration(body);
     let linear_velocity = fields::body_linear_velocity(body) + dt * push;

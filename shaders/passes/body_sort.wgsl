@@ -84,5 +84,9 @@ fn body_sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_inv
         rank += select(0u, 1u, fields::body_slot(other - fields::parameters.first_body_sample) < k);
     }
     fields::set_sample(first + rank, vec4<f32>(place(k), fields::sample_volume(k)));
+#ifdef INCOMPRESSIBLE
+    let body = fields::body_of_sample(k);
+    fields::set_sample_arm(first + rank, rotation::rotate(fields::body_rotation(body), fields::sample_offset(k)), body);
+#endif
 }
 #endif

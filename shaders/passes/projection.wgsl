@@ -2,7 +2,8 @@
 //
 // divergence_first: what velocities compress, the diagonal of the system, and the first step.
 // pressure_change, project: an iteration. Accelerations by the change of pressures, then how fast densities change by them, what
-// that leaves, and the next change. The b come from the bits that the density pass left, see library/hits.wgsl.
+// that leaves, and the next change. The b come from the bits that the density pass left, see library/hits.wgsl. Bodies answer to a
+// change of pressures in body_load.wgsl, between the two.
 
 #import freshet::bindings as fields
 #import freshet::grid
@@ -10,6 +11,11 @@
 #import freshet::kernels
 #import freshet::solve
 #import freshet::threads
+#ifdef BODIES
+#ifdef PROJECT
+#import freshet::left_of_bodies
+#endif
+#endif
 
 #ifndef PRESSURE_CHANGE
 // What a step multiplies a compression over K with, 1/s2.
@@ -18,9 +24,23 @@ fn step_scale() -> f32 {
 }
 
 #ifndef DENSITY_BEGIN
+#ifdef BODIES
+// Of a solve in which bodies answer.
+fn inverse_diagonal(a: u32) -> f32 {
+    let inverse = fields::inverse_diagonal(a);
+    let stiffness = select(0.0, fields::stiffness(a), fields::control.solve_phase == solve::DIVERGENCE);
+    return inverse / (1.0 + stiffness * inverse);
+}
+
+#else
+fn inverse_diagonal(a: u32) -> f32 {
+    return fields::inverse_diagonal(a);
+}
+#endif
+
 // A step from `change` by what it leaves, then momentum; nothing goes below `least`. Returns what counts as wrong.
 fn take_step(a: u32, change: f32, stepped: f32, left: f32, least: f32) -> f32 {
-    let free = change + step_scale() * left * fields::inverse_diagonal(a);
+    let free = change + step_scale() * left * inverse_diagonal(a);
     let reached = max(free, least);
     fields::set_change(a, max(reached + fields::control.momentum * (reached - stepped), least));
     fields::set_stepped(a, reached);
@@ -107,6 +127,9 @@ struct Own {
     position: vec3<f32>,
     inverse_radius: f32,
     acceleration: vec3<f32>,
+#ifdef BODIES
+    bodies_answer: bool,
+#endif
 }
 
 struct Sums {
@@ -116,7 +139,14 @@ struct Sums {
 }
 
 fn own_of(a: u32) -> Own {
-    return Own(fields::sorted_position(a), fields::parameters.inverse_support_radius, fields::motion(a));
+    var own: Own;
+    own.position = fields::sorted_position(a);
+    own.inverse_radius = fields::parameters.inverse_support_radius;
+    own.acceleration = fields::motion(a);
+#ifdef BODIES
+    own.bodies_answer = fields::control.solve_phase == solve::DIVERGENCE;
+#endif
+    return own;
 }
 
 fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
@@ -129,6 +159,19 @@ fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
     let x = grid::difference(own.position, sample.position);
     (*sums).samples += sample.weight * kernels::slope_over_q(length(x) * own.inverse_radius) * dot(x, own.acceleration);
 }
+
+#ifdef BODIES
+fn add_body_sample(own: Own, k: u32, sums: ptr<function, Sums>) {
+    let sample = fields::sample(k);
+    let x = grid::difference(own.position, sample.position);
+    var acceleration = own.acceleration;
+    if (own.bodies_answer) {
+        let arm = fields::sample_arm(k);
+        acceleration -= fields::answer_linear(arm.body) + cross(fields::answer_angular(arm.body), arm.offset);
+    }
+    (*sums).samples += sample.weight * kernels::slope_over_q(length(x) * own.inverse_radius) * dot(x, acceleration);
+}
+#endif
 #endif
 
 #ifndef DENSITY_BEGIN
@@ -137,6 +180,9 @@ fn sums_of(own: Own, a: u32) -> Sums {
     let extent = grid::shape();
 #ifdef WALLS
     let wall_starts = fields::parameters.wall_starts;
+#endif
+#ifdef BODIES
+    let body_starts = fields::parameters.body_starts;
 #endif
     var sums: Sums;
     for (var row = 0u; row < 9u; row++) {
@@ -160,13 +206,25 @@ fn sums_of(own: Own, a: u32) -> Sums {
                 add_particle(own, grid::member(around, t), &sums);
             }
         }
-#ifdef WALLS
+#ifdef SAMPLES
         if ((found & hits::SAMPLES) == 0u) {
             continue;
         }
+#endif
+#ifdef WALLS
         let walls = grid::row_of(wall_starts, cells);
         for (var t = 0u; t < walls.count; t++) {
             add_sample(own, fields::sample(grid::member(walls, t)), &sums);
+        }
+#endif
+#ifdef BODIES
+        let bodies = grid::row_of(body_starts, cells);
+        for (var t = 0u; t < bodies.count; t++) {
+#ifdef PROJECT
+            add_body_sample(own, grid::member(bodies, t), &sums);
+#else
+            add_sample(own, fields::sample(grid::member(bodies, t)), &sums);
+#endif
         }
 #endif
     }
@@ -192,7 +250,13 @@ fn divergence_first(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
         let gradient = sums.gradient + number_density * sums.sample_gradient;
         let diagonal = fields::parameters.diagonal_scale * (dot(gradient, gradient) + sums.squares);
         fields::set_inverse_diagonal(a, 1.0 / max(diagonal, fields::parameters.least_diagonal));
-        let rate = fields::parameters.rate_scale * (sums.fluid + number_density * sums.samples);
+#ifdef BODIES
+        // What the bodies' motion adds.
+        let of_bodies = fields::source(a);
+#else
+        let of_bodies = 0.0;
+#endif
+        let rate = fields::parameters.rate_scale * (sums.fluid + number_density * sums.samples + of_bodies);
         let excess = fields::velocity_and_density(a).w * fields::parameters.inverse_rest_density - 1.0;
         let left = source_of(excess) + fields::control.substep * rate;
         fields::set_source(a, left);
@@ -230,6 +294,11 @@ fn project(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
         let left = fields::source(a) + dt * dt * rate;
         // Pressures are there already in the one solve, in the other there are none.
         let least = select(0.0, -fields::solved_pressure(a), fields::control.solve_phase == solve::DIVERGENCE);
+#ifdef BODIES
+        if (fields::control.solve_phase == solve::DIVERGENCE) {
+            left_of_bodies::add(a, fields::change(a), left, least);
+        }
+#endif
         solve::add_left(take_step(a, fields::change(a), fields::stepped(a), left, least));
     }
     workgroupBarrier();

@@ -2,7 +2,8 @@
 //
 // Of each solve a substep has as many iterations encoded as the last ticks needed. A solve that needs more stays open: nothing
 // that comes after it is dispatched, and the iterations of what was encoded for the next substep continue it. So results do not
-// depend on how many were encoded. At the end of a tick that nobody waits for, `close_solve` ends it as it is.
+// depend on how many were encoded. At the end of a tick that nobody waits for, `close_solve` ends it as it is,
+// and `close_density_solve` the one that comes after it.
 
 #import freshet::bindings as fields
 #import freshet::arguments
@@ -56,11 +57,27 @@ fn decide(left: f32) {
 }
 #endif
 
+#ifdef INCOMPRESSIBLE
+// What an iteration left: in the mean, or in that of those who touch a body which answers, if that is more. Around it it has to be as
+// exact as everywhere, however few they are.
+fn take_left() -> f32 {
+    var left = solve::take_mean_left();
+#ifdef BODIES
+    if (fields::control.solve_phase == solve::DIVERGENCE) {
+        for (var body = 0u; body < fields::parameters.bodies; body++) {
+            left = max(left, solve::in_ones(fields::take_body_left(body)) / f32(max(fields::touching(body), 1u)));
+        }
+    }
+#endif
+    return left;
+}
+#endif
+
 #ifdef FIRST_CONTROL
 @compute @workgroup_size(1)
 fn first_control() {
     if (fields::control.solve_phase == solve::DIVERGENCE && fields::control.iterations == 0u) {
-        let left = solve::take_mean_left();
+        let left = take_left();
         hear(left);
         decide(left);
     }
@@ -71,7 +88,7 @@ fn first_control() {
 @compute @workgroup_size(1)
 fn solve_control() {
     if (fields::control.solve_phase == solve::DIVERGENCE || fields::control.solve_phase == solve::DENSITY) {
-        let left = solve::take_mean_left();
+        let left = take_left();
         hear(left);
         decide(left);
     }
@@ -98,6 +115,18 @@ fn close_solve() {
     if (fields::control.solve_phase == solve::DIVERGENCE) {
         end_divergence_solve(false);
     } else if (fields::control.solve_phase == solve::DENSITY) {
+        end_density_solve(false);
+    } else {
+        // What moved at the end of the last substep must not move again.
+        arguments::write_motion_arguments(false);
+    }
+}
+#endif
+
+#ifdef CLOSE_DENSITY_SOLVE
+@compute @workgroup_size(1)
+fn close_density_solve() {
+    if (fields::control.solve_phase == solve::DENSITY) {
         end_density_solve(false);
     }
 }

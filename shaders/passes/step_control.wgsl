@@ -64,11 +64,11 @@ fn choose_substep(remaining: f32, max_speed: f32, max_acceleration: f32) -> f32 
 
 #ifdef INCOMPRESSIBLE
 // Begins the solves of a substep, if it is long enough for anything to move. The next substep waits for their end.
-fn begin_solves(substep: f32, max_speed: f32, going: bool) {
+fn begin_solves(substep: f32, speed: f32, going: bool) {
     fields::control.correction = 0.0;
     let solving = substep >= fields::parameters.shortest_substep;
     if (solving) {
-        let way = min(max_speed * substep / fields::parameters.longest_way, 1.0);
+        let way = min(speed * substep / fields::parameters.longest_way, 1.0);
         fields::control.share = way * way;
         fields::control.divergence = max(fields::parameters.divergence * way, fields::parameters.least_divergence);
         fields::control.solve_phase = solve::DIVERGENCE;
@@ -97,9 +97,19 @@ fn step_control() {
     var max_speed = bitcast<f32>(atomicExchange(&fields::control.max_speed, 0u));
     let max_acceleration = bitcast<f32>(atomicExchange(&fields::control.max_acceleration, 0u));
     fields::control.fastest = max_speed;
+#ifdef INCOMPRESSIBLE
+    // With those bodies that touch the fluid.
+    var flow_speed = max_speed;
+#endif
 #ifdef BODIES
     for (var body = 0u; body < fields::parameters.bodies; body++) {
-        max_speed = max(max_speed, length(fields::body_linear_velocity(body) + fields::body_drift(body)));
+        // What no sample is faster than.
+        let speed = length(fields::body_linear_velocity(body) + fields::body_drift(body))
+            + length(fields::body_angular_velocity(body) + fields::body_turn(body)) * fields::body_reach(body);
+        max_speed = max(max_speed, speed);
+#ifdef INCOMPRESSIBLE
+        flow_speed = max(flow_speed, select(0.0, speed, fields::touching(body) > 0u));
+#endif
     }
 #endif
     let substep = choose_substep(fields::control.remaining, max_speed, max_acceleration);
@@ -121,7 +131,7 @@ fn step_control() {
     let going = fields::control.remaining > 0.0 && fields::control.substeps < fields::parameters.max_substeps;
     fields::control.going = select(0u, 1u, going);
 #ifdef INCOMPRESSIBLE
-    begin_solves(substep, max_speed, going);
+    begin_solves(substep, flow_speed, going);
 #else
     arguments::write_arguments(going);
     arguments::write_motion_arguments(true);

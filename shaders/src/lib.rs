@@ -32,8 +32,6 @@ pub mod library {
     shader_files! { "library":
         /// Thread indices, totals, tests for finite numbers.
         THREADS = "threads.wgsl",
-        /// Arguments of indirect dispatches.
-        ARGUMENTS = "arguments.wgsl",
         /// The wrapped grid.
         GRID = "grid.wgsl",
         /// Neighbours as bits.
@@ -46,6 +44,12 @@ pub mod library {
         SCAN = "scan.wgsl",
         /// What the solves of an incompressible fluid share.
         SOLVE = "solve.wgsl",
+        /// Arguments of indirect dispatches.
+        ARGUMENTS = "arguments.wgsl",
+        /// How particles touch bodies.
+        TOUCH = "touch.wgsl",
+        /// What solves leave around bodies.
+        LEFT_OF_BODIES = "left_of_bodies.wgsl",
         /// Quaternions.
         ROTATION = "rotation.wgsl",
     }
@@ -60,12 +64,16 @@ pub mod passes {
         SORT = "sort.wgsl",
         /// Moves and sorts the samples of bodies.
         BODY_SORT = "body_sort.wgsl",
+        /// Widths of supports.
+        SUPPORT = "support.wgsl",
         /// Density and pressure.
         DENSITY = "density.wgsl",
         /// Acceleration.
         ACCELERATION = "acceleration.wgsl",
         /// Force and torque on bodies.
         BODY_LOAD = "body_load.wgsl",
+        /// Who touches bodies of an incompressible fluid.
+        BODY_TOUCH = "body_touch.wgsl",
         /// Length and number of substeps.
         STEP_CONTROL = "step_control.wgsl",
         /// Sums and steps of the solves of an incompressible fluid.

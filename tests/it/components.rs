@@ -149,6 +149,82 @@ fn walls_become_slippery_while_it_runs() {
     }
 }
 
+/// How far a block slides in a second and a half of ticks, started at 1 m/s along a floor with this friction, m.
+fn slide(choice: (FluidBackend, FluidMode), friction: f32) -> f32 {
+    let mut test = TestApp::new();
+    let domain = test.spawn(FluidDomain::with_spacing(0.1).on(choice.0).in_mode(choice.1));
+    let floor = FluidBoundary { viscous_faces: [false; 6], ..FluidBoundary::plane(8.0, 8.0) };
+    test.spawn(floor.with_friction(FluidFriction::coulomb(friction)));
+    // One layer: all of it presses on the floor.
+    let layer = FluidVolume::from(Cuboid::new(1.0, 0.1, 1.0)).with_velocity(Vec3::X);
+    test.spawn((layer, Transform::from_xyz(0.0, 0.05, 0.0)));
+    test.tick(16);
+    let positions = positions(&mut test, domain);
+    test.expect_no_complaints();
+    positions.iter().map(|position| position.x).sum::<f32>() / positions.len() as f32
+}
+
+#[test]
+fn friction_of_a_boundary_slows_what_slides_on_it() {
+    for choice in [ALL[0], ALL[2]] {
+        let [free, rough] = [0.0, 0.5].map(|friction| slide(choice, friction));
+        println!("{choice:?}: {free} {rough}");
+        // 17 ticks at 1 m/s; with 0.5 it stops within 1 / (2 * 0.5 * 9.81) = 0.1 m while it presses, and further where it bounces.
+        assert!((free - 17.0 / 64.0).abs() < 0.01, "{choice:?}: {free}");
+        assert!(rough < 0.8 * free, "{choice:?}: {rough} of {free}");
+    }
+}
+
+#[test]
+fn a_belt_carries_viscous_fluid_in_its_own_direction() {
+    for choice in [ALL[0], ALL[2]] {
+        let mut test = TestApp::new();
+        let mut domain = FluidDomain::with_spacing(0.1).on(choice.0).in_mode(choice.1);
+        domain.settings.viscosity_model = Some(FluidViscosityModel::Morris1997);
+        let domain = test.spawn(domain);
+        let honey = Fluid { dynamic_viscosity: 50.0, ..Fluid::water() };
+        test.spawn((FluidVolume::from(Cuboid::new(0.6, 0.3, 0.6)), honey, Transform::from_xyz(0.0, 0.15, 0.0)));
+        // Turned by a quarter: its own x is the world's -z.
+        let turned = Transform::from_rotation(Quat::from_rotation_y(0.5 * std::f32::consts::PI));
+        test.spawn((FluidBoundary::plane(8.0, 8.0).with_velocity(Vec3::X), turned));
+        test.tick(24);
+        let positions = positions(&mut test, domain);
+        let mean = positions.iter().sum::<Vec3>() / positions.len() as f32;
+        println!("{choice:?}: {mean}");
+        assert!(mean.z < -0.05 && mean.z > -0.4 && mean.x.abs() < 0.02, "{choice:?}: {mean}");
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn a_scene_with_friction_and_belts_is_spawned_as_it_is_and_planned_the_same() {
+    use freshet_core::prelude::{Boundary, BoundaryShape, FluidScene, Friction, ViscosityModel, Volume};
+    let turned = Quat::from_rotation_y(0.4);
+    let plane = Boundary::new(BoundaryShape::Plane { half_extents: [2.0, 2.0] }, Vec3::NEG_Y);
+    let mut scene = FluidScene {
+        volumes: vec![Volume::block(Vec3::splat(0.2), Vec3::ZERO)],
+        boundaries: vec![
+            Boundary { rotation: turned, ..plane.with_velocity(turned * Vec3::X) },
+            Boundary::open_box(Vec3::ONE, Vec3::ZERO).with_friction(Friction { at_rest: 0.5, sliding: 0.25 }),
+        ],
+        ..FluidScene::with_spacing(0.1)
+    };
+    scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
+    let mut test = TestApp::new();
+    let domain =
+        test.world().commands().spawn_fluid_scene(&scene, |domain| domain.backend = FluidBackend::Cpu).unwrap();
+    test.tick(3);
+    test.expect_no_complaints();
+    assert_eq!(test.stats(domain).ticks + test.stats(domain).ticks_in_flight, 3);
+    let world = test.world();
+    let wall = world.query::<&FluidBoundary>().single(world).unwrap();
+    assert!(wall.velocity.abs_diff_eq(Vec3::X, 1e-6), "in its own axes: {}", wall.velocity);
+    let tank = world.query::<&FluidContainer>().single(world).unwrap();
+    assert_eq!(tank.friction, FluidFriction { at_rest: 0.5, sliding: 0.25 });
+    let settings = &world.get::<FluidDomain>(domain).unwrap().settings;
+    assert_eq!(settings.viscosity_model, Some(FluidViscosityModel::Morris1997));
+}
+
 #[test]
 fn a_fluid_moves_to_another_backend_with_its_state() {
     for mode in [FluidMode::Lockstep, FluidMode::Pipelined] {

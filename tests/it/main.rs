@@ -8,5 +8,6 @@ mod golden;
 mod harness;
 mod lost_device;
 mod meshes;
+mod moving_walls;
 mod order;
 mod problems;

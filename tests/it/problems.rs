@@ -45,6 +45,26 @@ fn wrong_walls_and_emitters_are_refused() {
     let open = FluidContainer { open: [true; 6], ..FluidContainer::open_box(1.0, 1.0, 1.0) };
     refuses(open, "FluidContainer", &["open"]);
     refuses(FluidBoundary::plane(-1.0, 1.0), "FluidBoundary", &["shape.half_size", "-0.5"]);
+    let rough = FluidFriction { at_rest: 0.2, sliding: 0.5 };
+    refuses(
+        FluidBoundary::plane(1.0, 1.0).with_friction(rough),
+        "FluidBoundary",
+        &["friction.at_rest", "0.2", "0.5 to 10"],
+    );
+    let rough = FluidContainer { friction: FluidFriction::coulomb(-1.0), ..FluidContainer::open_box(1.0, 1.0, 1.0) };
+    refuses(rough, "FluidContainer", &["friction.sliding", "-1", "0 to 10"]);
+    let belt = |velocity| FluidBoundary::plane(1.0, 1.0).with_velocity(velocity);
+    refuses(belt(Vec3::X), "FluidBoundary", &["velocity", "zero, as there is no settings.viscosity_model"]);
+    refuses(belt(Vec3::INFINITY), "FluidBoundary", &["velocity", "inf", "-10000 to 10000 m/s"]);
+    let far = Transform::from_xyz(0.0, 9.0, 0.0);
+    let moving = FluidBoundary::plane(1.0, 1.0).with_friction(FluidFriction::coulomb(0.5)).moving();
+    refuses((moving, far), "FluidBoundary", &["friction", "0.5", "none of a wall that moves"]);
+    refuses((belt(Vec3::X).moving(), far), "FluidBoundary", &["velocity", "zero of a wall that moves"]);
+    refuses(
+        (FluidBoundary::cuboid(1.0, 0.01, 1.0).moving(), far),
+        "FluidBoundary",
+        &["shape.half_size.y", "0.005", "allowed"],
+    );
     refuses(FluidEmitter::disc(0.1, 0.0, 1.0), "FluidEmitter", &["speed", "0", "0.001 to 1000"]);
     refuses(FluidEmitter::disc(0.1, 1.0, -2.0), "FluidEmitter", &["lifetime", "-2"]);
     // Each number is allowed, and one layer would be 3e10 particles.

@@ -1,6 +1,6 @@
 //! The wrapped uniform grid both solvers search neighbours in.
 //!
-//! Cells have the edge length of the support radius; the number of cells along each axis is a power of two and at least
+//! Cells have the edge length of the widest support, that is of the support radius where all are the same; the number of cells along each axis is a power of two and at least
 //! four, so that the 27 cells around a particle are 27 different ones. Cell indices wrap around: the domain is
 //! infinite, and particles far apart that share a cell are told apart by their distance.
 //!
@@ -15,8 +15,11 @@ use crate::periodic::Periodic;
 /// Shape of a wrapped grid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
-    /// Edge length of a cell, m: the support radius. Cells are longer along axes that repeat, see [`Grid::cell_edges`].
+    /// Edge length of a cell, m: the [widest support](crate::variable_support), mostly the support radius. Cells are longer along axes
+    /// that repeat, see [`Grid::cell_edges`].
     pub cell_size: f32,
+    /// Support radius H, m: no more than the edge.
+    pub support_radius: f32,
     /// Binary logarithm of the number of cells along x, y and z, each at least 2.
     pub log_cells: UVec3,
     /// Where the domain repeats itself.
@@ -45,7 +48,12 @@ impl Grid {
             let longest = (0..3).max_by_key(|&axis| log_cells[axis]).unwrap_or(0);
             log_cells[longest] -= 1;
         }
-        Self { cell_size, log_cells: UVec3::from_array(log_cells.map(|log| log.max(2))), periodic }
+        Self {
+            cell_size,
+            support_radius: cell_size,
+            log_cells: UVec3::from_array(log_cells.map(|log| log.max(2))),
+            periodic,
+        }
     }
 
     /// The shortest period the cells can divide, m.

@@ -56,6 +56,7 @@ impl Relaxation {
         settling.stages.retain(|stage| !matches!(stage.kind, StageKind::Friction | StageKind::Xsph));
         settling.parameters.xsph = 0.0;
         settling.parameters.artificial_viscosity = VISCOSITY;
+        settling.parameters.redo_substeps = false;
         settling.parameters.max_substeps = STRIDE;
         settling
     }

@@ -17,9 +17,12 @@ use crate::error::{InvalidInput, check_finite, check_range};
 use crate::kernel::KernelKind;
 use crate::material::Material;
 use crate::periodic::Periodic;
+use crate::plan::sample_boundary;
 use crate::pressure_solver::PressureSolver;
 use crate::relaxation::Relaxation;
+use crate::sampling::wall_layer::WallLayer;
 use crate::solid::Solid;
+use crate::variable_support;
 use crate::viscosity::ViscosityModel;
 
 /// A fluid, what holds it, what floats in it, and how it is to be simulated. SI units throughout.
@@ -252,6 +255,11 @@ pub struct Settings {
     /// XSPH's epsilon, 0 to 1; zero takes it out of the plan. Particles move with a share of the mean velocity around them, which keeps
     /// streams that meet from passing through each other; velocities stay as they are. See [`xsph`](crate::xsph).
     pub xsph: f32,
+    /// The widest support that a particle may have over the support radius, 1 to 3; 1 gives all the same and takes it out of the plan.
+    /// With more a particle's support grows with `(rho0/rho)^(1/3)`, so that a fluid that thins out, to an eighth with 2, keeps its
+    /// neighbours. It takes the more time the wider it may be. Weakly compressible fluids only. See
+    /// [`variable_support`](crate::variable_support).
+    pub widest_support: f32,
     /// Lets particles settle before the start; none starts as volumes are sampled. Not with bodies, whose places are not known then.
     pub relaxation: Option<Relaxation>,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
@@ -262,6 +270,9 @@ pub struct Settings {
     pub force_factor: f32,
     /// Substep over `h^2 / nu`, 0.01 to 1.
     pub viscous_factor: f32,
+    /// Whether a substep that turns out too long is taken back and made again in shorter ones (Pirovano 2011, §2.3.5): see
+    /// [`Parameters::redone`](crate::plan::Parameters::redone). On the CPU only.
+    pub redo_substeps: bool,
     /// Most substeps in one tick, 1 to 100,000; what is left of the tick is carried to the next.
     pub max_substeps: u32,
     /// Wall time a tick may take, ms; past it simulated time slows down. None: no limit.
@@ -287,11 +298,13 @@ impl Default for Settings {
             artificial_viscosity: 0.03,
             near_pressure: 0.0,
             xsph: 0.0,
+            widest_support: 1.0,
             relaxation: None,
             viscosity_model: None,
             courant_factor: 0.4,
             force_factor: 0.25,
             viscous_factor: 0.125,
+            redo_substeps: false,
             max_substeps: 10_000,
             budget_milliseconds: None,
             max_particles: None,
@@ -324,6 +337,9 @@ impl Settings {
         if self.near_pressure > 0.0 {
             return Err(InvalidInput::new("near_pressure", self.near_pressure, allowed));
         }
+        if self.widest_support != 1.0 {
+            return Err(InvalidInput::new("widest_support", self.widest_support, allowed));
+        }
         Ok(())
     }
 
@@ -348,6 +364,7 @@ impl Settings {
         check_range("artificial_viscosity", self.artificial_viscosity, 0.0, 1.0, "")?;
         check_range("near_pressure", self.near_pressure, 0.0, 0.1, "")?;
         check_range("xsph", self.xsph, 0.0, 1.0, "")?;
+        check_range("widest_support", self.widest_support, 1.0, variable_support::MOST, "times the support radius")?;
         if let Some(relaxation) = &self.relaxation {
             relaxation.validate().map_err(|error| error.inside("relaxation"))?;
         }
@@ -479,6 +496,29 @@ impl Volume {
 }
 
 impl Body {
+    /// A body of the shape of a boundary, about the shape's own centre: for walls that move.
+    ///
+    /// Samples lie where those of a [`Boundary`] of this shape do. Give it, in each tick, an inverse mass of zero and the velocity it moves
+    /// with ([`BodyInput`](crate::step::BodyInput)). It pushes fluid and does not drag it along.
+    ///
+    /// ```
+    /// use freshet_core::prelude::*;
+    /// let scene = FluidScene::with_spacing(0.05);
+    /// let cup = BoundaryShape::Cup { radius: 0.4, half_height: 0.35, thickness: 0.05 };
+    /// let body = Body::of_shape("cup", cup, &scene.wall_layer()?)?;
+    /// assert!(body.samples.len() > 100);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A size out of range, or too small for the spacing, as of a [`Boundary`].
+    pub fn of_shape(name: &str, shape: BoundaryShape, layer: &WallLayer) -> Result<Self, InvalidInput> {
+        let boundary = Boundary::new(shape, Vec3::ZERO);
+        boundary.validate()?;
+        let samples = sample_boundary(&boundary, layer)?;
+        Ok(Self { name: name.to_owned(), samples, solids: boundary.solids(layer) })
+    }
+
     fn validate(&self) -> Result<(), InvalidInput> {
         if self.samples.is_empty() {
             return Err(InvalidInput::new("samples", "none", "at least one"));

@@ -274,6 +274,10 @@ pub struct StepReport {
     /// Solves that ended at their most iterations before they were as exact as asked for.
     #[serde(default)]
     pub unsolved: u32,
+    /// Substeps taken back because they turned out too long, and made again in shorter ones: see
+    /// [`Settings::redo_substeps`](crate::scene::Settings::redo_substeps). They are in no other number but those of iterations.
+    #[serde(default)]
+    pub redone: u32,
     /// Particles removed in this tick because they left the bounds or were not finite.
     pub removed: u32,
     /// Particles retired in this tick because their lifetime was over or a command said so.

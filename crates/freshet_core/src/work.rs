@@ -11,6 +11,7 @@ use crate::equation_of_state::EquationOfState;
 use crate::kernel::KernelKind;
 use crate::plan::{Parameters, StageKind};
 use crate::pressure_solver::PressureSolver;
+use crate::variable_support;
 
 /// Operations that a power with an exponent other than 7 counts as.
 pub const POWER: u32 = 30;
@@ -35,11 +36,13 @@ impl Work {
     /// Of a stage. Stages of bodies and of the step count nothing: they have no share for every particle.
     pub fn of(stage: StageKind, parameters: &Parameters) -> Self {
         let (shape, slope) = of_kernel(parameters.kernel);
+        // Sum of two widths, quotient, factor of the distance; and what a power of it takes.
+        let width = |power: u32| if parameters.widest_support > 1.0 { 3 + power } else { 0 };
         match stage {
             // Cell of a position.
             StageKind::Sort => Self { per_particle: 3 * 2, per_pair: 0 },
             StageKind::Density => {
-                let of_density = DISTANCE + RELATIVE + shape + 2;
+                let of_density = DISTANCE + RELATIVE + shape + 2 + width(3);
                 match parameters.pressure_solver {
                     // p / rho^2 and the compression.
                     PressureSolver::WeaklyCompressible => {
@@ -51,10 +54,16 @@ impl Work {
                     }
                 }
             }
+            // The sum of each evaluation; its cube, quotient, root and limits.
+            StageKind::Support => {
+                let evaluations = variable_support::EVALUATIONS;
+                let per_pair = evaluations * (DISTANCE + RELATIVE + 1 + shape + 1);
+                Self { per_particle: evaluations * (2 + 4 + POWER + 3), per_pair }
+            }
             StageKind::Acceleration => {
                 let (artificial, physical) =
                     (parameters.artificial_viscosity > 0.0, parameters.dynamic_viscosity > 0.0);
-                let mut per_pair = DISTANCE + RELATIVE + slope + 2 + ADD_VECTOR;
+                let mut per_pair = DISTANCE + RELATIVE + slope + 2 + ADD_VECTOR + width(4);
                 if artificial || physical {
                     // Difference of velocities.
                     per_pair += 3;
@@ -175,6 +184,14 @@ mod tests {
         assert_eq!(Work::of(StageKind::Acceleration, &near).per_pair, 24 + 24);
         // As density without its factor, and: dv 3, rho + rho 1, quotient 1, sum 6.
         assert_eq!(Work::of(StageKind::Xsph, &calm).per_pair, 18 + 11);
+        // As density, a factor more, without its multiply-add: each of the evaluations. Then widths, and powers of them.
+        let wide = parameters(|scene| {
+            scene.settings.artificial_viscosity = 0.0;
+            scene.settings.widest_support = 1.5;
+        })?;
+        assert_eq!(Work::of(StageKind::Support, &wide).per_pair, 4 * (18 + 2));
+        assert_eq!(Work::of(StageKind::Density, &wide).per_pair, 20 + 3 + 3);
+        assert_eq!(Work::of(StageKind::Acceleration, &wide).per_pair, 24 + 3 + 4);
         assert_eq!(Work::of(StageKind::BodyLoad, &calm), Work::default());
         Ok(())
     }

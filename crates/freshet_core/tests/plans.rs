@@ -66,6 +66,32 @@ fn xsph_is_a_stage_of_plans_that_ask_for_it_and_knows_both_solvers() {
 }
 
 #[test]
+fn supports_that_grow_are_a_stage_and_make_cells_longer() {
+    use StageKind::{Acceleration, Density, Integrate, Sort, StepControl, Support};
+    let plain = Plan::new(&dam_break()).unwrap();
+    assert_eq!((plain.parameters.widest_support, plain.grid.cell_size), (1.0, plain.parameters.support_radius));
+    let mut scene = dam_break();
+    scene.settings.widest_support = 1.5;
+    let plan = Plan::new(&scene).unwrap();
+    assert_eq!(kinds(&plan), [Sort, Support, Density, Acceleration, StepControl, Integrate]);
+    let radius = plan.parameters.support_radius;
+    assert_eq!((plan.grid.cell_size, plan.grid.support_radius), (1.5 * radius, radius));
+    assert_eq!(radius, plain.parameters.support_radius);
+    assert!(reason(&plan, Support).contains("settings.widest_support is 1.5"));
+    assert!(plan.to_string().contains("supports of particles up to 1.5 times as wide"));
+    // Four cells of the widest support divide a period.
+    scene.periodic.z = Some((-3.0 * radius, 3.0 * radius));
+    let ends = |scene: &FluidScene| Plan::new(scene).map(|_| ()).map_err(|error| error.to_string());
+    scene.boundaries.clear();
+    scene.volumes[0] = Volume::block(Vec3::splat(2.0 * radius), Vec3::ZERO);
+    scene.settings.expected_speed = Some(1.0);
+    assert_eq!(ends(&scene), Ok(()));
+    scene.settings.widest_support = 1.6;
+    let refused = ends(&scene).unwrap_err();
+    assert!(refused.contains("periodic.z") && refused.contains(&format!("{} m", 4.0 * 1.6 * radius)), "{refused}");
+}
+
+#[test]
 fn friction_is_a_stage_of_plans_with_walls_that_have_it() {
     let mut scene = dam_break();
     assert!(Plan::new(&scene).unwrap().boundary.frictions.is_empty());
@@ -672,6 +698,7 @@ fn what_an_incompressible_fluid_cannot_have_is_refused() {
     for (message, words) in [
         (with(tait), ["settings.equation_of_state", "tait", only]),
         (with(|scene| scene.settings.clamp_negative_pressure = false), ["clamp_negative_pressure", "false", only]),
+        (with(|scene| scene.settings.widest_support = 1.5), ["settings.widest_support", "1.5", only]),
         (with(|scene| scene.settings.near_pressure = 0.01), ["settings.near_pressure", "0.01", only]),
     ] {
         assert!(words.iter().all(|word| message.contains(word)), "{message}");

@@ -18,4 +18,4 @@ mod tasks;
 mod workers;
 mod workspace;
 
-pub use solver::{CpuOptions, CpuSolver, InstructionSet};
+pub use solver::{CpuOptions, CpuSolver, InstructionSet, Iteration};

@@ -57,9 +57,9 @@ impl<const N: usize> Packed<N> {
         }
         // Beyond the kernel's support along x; finite, so that factors of zero stay zero.
         let far = x + 100.0 * self.reach;
-        for (axis, values) in self.values.chunks_exact_mut(self.room).enumerate() {
-            let filler = if axis == 0 { far } else { 1.0 };
-            store::<S>(values, self.len, simd.splat_f32s(filler));
+        for quantity in 0..N {
+            let filler = if quantity == 0 { far } else { 1.0 };
+            store::<S>(&mut self.values, quantity * self.room + self.len, simd.splat_f32s(filler));
         }
     }
 
@@ -72,6 +72,13 @@ impl<const N: usize> Packed<N> {
             *source = &source[..sources[0].len()];
         }
         let sources = cut;
+        // The runs one by one, as to cut them off anew for every stretch takes as long as to copy it.
+        let mut runs: [&mut [f32]; N] = std::array::from_fn(|_| Default::default());
+        let mut rest = &mut *self.values;
+        for run in &mut runs {
+            let (first, others) = rest.split_at_mut(self.room);
+            (*run, rest) = (first, others);
+        }
         let mut at = 0;
         #[cfg(target_arch = "x86_64")]
         if let Some(avx512) = avx512(simd) {
@@ -80,7 +87,7 @@ impl<const N: usize> Packed<N> {
                 // One permutation for all quantities: to compress each takes twice as long. What is stored beyond the kept is
                 // overwritten by the next.
                 let order = avx512.avx512f._mm512_maskz_compress_epi32(stretch.kept, places);
-                for (values, source) in self.values.chunks_exact_mut(self.room).zip(sources) {
+                for (values, source) in runs.iter_mut().zip(sources) {
                     let value = bytemuck::cast(load::<S>(source, stretch.first as usize));
                     let kept = avx512.avx512f._mm512_permutexvar_ps(order, value);
                     store::<S>(values, at, bytemuck::cast(kept));
@@ -93,7 +100,7 @@ impl<const N: usize> Packed<N> {
             let mut kept = stretch.kept;
             while kept != 0 {
                 let i = stretch.first as usize + kept.trailing_zeros() as usize;
-                for (values, source) in self.values.chunks_exact_mut(self.room).zip(sources) {
+                for (values, source) in runs.iter_mut().zip(sources) {
                     values[at] = source[i];
                 }
                 at += 1;
@@ -130,8 +137,8 @@ impl<const N: usize> Packed<N> {
     #[inline(always)]
     pub fn lanes<S: Simd>(&self, first: usize) -> [S::f32s; N] {
         let mut lanes = [load::<S>(&self.values, first); N];
-        for (lanes, values) in lanes.iter_mut().zip(self.values.chunks_exact(self.room)) {
-            *lanes = load::<S>(values, first);
+        for (quantity, lanes) in lanes.iter_mut().enumerate() {
+            *lanes = load::<S>(&self.values, quantity * self.room + first);
         }
         lanes
     }

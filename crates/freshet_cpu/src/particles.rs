@@ -44,6 +44,27 @@ impl Particles {
         !self.pressure.is_empty()
     }
 
+    /// Becomes what `other` is, in the memory that is there.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.len = other.len;
+        self.id.clone_from(&other.id);
+        self.life.clone_from(&other.life);
+        self.pressure.clone_from(&other.pressure);
+        for (values, others) in self.position.iter_mut().zip(&other.position) {
+            values.clone_from(others);
+        }
+        for (values, others) in self.velocity.iter_mut().zip(&other.velocity) {
+            values.clone_from(others);
+        }
+    }
+
+    /// The largest speed, m/s.
+    pub fn fastest(&self) -> f32 {
+        let [u, v, w] = &self.velocity;
+        let squares = u.iter().zip(v).zip(w).take(self.len).map(|((u, v), w)| u * u + v * v + w * w);
+        squares.fold(0.0, f32::max).sqrt()
+    }
+
     /// Adds a particle.
     pub fn push(&mut self, id: u32, position: Vec3, velocity: Vec3, life: f32) {
         let index = self.len;

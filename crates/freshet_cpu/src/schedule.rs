@@ -21,13 +21,16 @@ pub fn lower(plan: &Plan) -> Result<Vec<ScheduledPass>, SolverError> {
 
 fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
     let viscous = plan.parameters.artificial_viscosity > 0.0 || plan.parameters.dynamic_viscosity > 0.0;
+    let width = if plan.has(StageKind::Support) { 4 } else { 0 };
     let bytes_per_particle = match stage {
         // Key and order written and read, 32 bytes read and written.
         StageKind::Sort => 4 * 4 + 2 * 32,
         // Position read, density and pressure term or diagonal written.
-        StageKind::Density => 12 + 8,
+        StageKind::Density => 12 + 8 + width,
+        // Position read, width written.
+        StageKind::Support => 12 + 4,
         // Position and pressure term read, with viscosity also velocity and density; acceleration written.
-        StageKind::Acceleration => 12 + 4 + if viscous { 16 } else { 0 } + 12,
+        StageKind::Acceleration => 12 + 4 + if viscous || width > 0 { 16 } else { 0 } + width + 12,
         // Of one iteration: position and change of pressure read, acceleration written; position and acceleration read, four
         // values of the iteration read, four written.
         StageKind::DivergenceSolve | StageKind::DensitySolve => 16 + 12 + 24 + 16 + 16,

@@ -1,6 +1,7 @@
 //! The solver: owns the state and runs the plan's stages.
 
 mod answers;
+mod redo;
 mod solves;
 mod stages;
 
@@ -10,23 +11,26 @@ use std::time::{Duration, Instant};
 
 use freshet_core::field::{Field, FieldData};
 use freshet_core::kernel::Kernel;
+use freshet_core::misplaced::Misplaced;
 use freshet_core::plan::{Plan, StageKind};
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::relaxation::relax;
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
-use freshet_core::solid::Misplaced;
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
 use freshet_core::step::{PassTime, StepInput, StepReport};
 use glam::Vec3;
 
 use self::answers::Load;
+use self::redo::Before;
 use self::solves::{PressureSolve, Solved};
 use crate::candidates::Candidates;
 use crate::lanes::PADDING;
 use crate::particles::Particles;
+use crate::passes::acceleration::Maxima;
 use crate::passes::body_motion::{MovingBody, remember};
 use crate::passes::body_sort::BodySamples;
 use crate::passes::commands::Population;
+use crate::passes::density::Compression;
 use crate::passes::sort::{Dropped, Sorter};
 use crate::passes::step_control;
 use crate::samples::SortedSamples;
@@ -44,6 +48,30 @@ pub enum InstructionSet {
     Scalar,
 }
 
+/// How pressures are iterated, see [`DivergenceFree`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Iteration {
+    /// Jacobi steps with Nesterov's momentum.
+    #[default]
+    Momentum,
+    /// Relaxed Jacobi steps without (Bender & Koschier 2015), half a step at H = 2d. For comparison.
+    Jacobi,
+}
+
+impl Iteration {
+    /// Relaxation of [`Jacobi`](Self::Jacobi) times the largest eigenvalue of the lattice, no unit: 0.5 at H = 2d, as SPlisHSPlasH has it for
+    /// every support; from 2 on it diverges.
+    pub const JACOBI_RELAXATION: f32 = 1.3;
+
+    /// Share of a Jacobi step that is taken, from that of a plan.
+    fn relaxation(self, planned: f32) -> f32 {
+        match self {
+            Self::Momentum => planned,
+            Self::Jacobi => planned / DivergenceFree::RELAXATION * Self::JACOBI_RELAXATION,
+        }
+    }
+}
+
 /// How the solver uses the machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CpuOptions {
@@ -52,6 +80,8 @@ pub struct CpuOptions {
     pub threads: Option<usize>,
     /// Vector instructions.
     pub instruction_set: InstructionSet,
+    /// How the pressures of an incompressible fluid are iterated.
+    pub iteration: Iteration,
 }
 
 /// Weakly compressible SPH on CPU cores.
@@ -60,8 +90,11 @@ pub struct CpuSolver {
     schedule: Schedule,
     workers: Arc<Workers>,
     arch: pulp::Arch,
+    iteration: Iteration,
     particles: Particles,
     scratch: Particles,
+    /// Of plans that make substeps again.
+    before: Before,
     sorter: Sorter,
     /// Of each chunk, from the density pass to the acceleration pass.
     candidates: Vec<Candidates>,
@@ -73,6 +106,8 @@ pub struct CpuSolver {
     acceleration: [Vec<f32>; 3],
     /// Of plans with XSPH.
     drift: [Vec<f32>; 3],
+    /// Of plans whose supports vary, over the support radius.
+    width: Vec<f32>,
     /// Of plans whose pressures are solved for.
     solve: PressureSolve,
     /// Length of the last substep, s; zero if there was none.
@@ -100,6 +135,13 @@ pub struct CpuSolver {
     fresh: bool,
 }
 
+/// What is found out about a state before it is moved on.
+#[derive(Clone, Copy)]
+struct Found {
+    compression: Compression,
+    maxima: Maxima,
+}
+
 /// Sums and extremes over a tick.
 #[derive(Default)]
 struct Tally {
@@ -111,6 +153,7 @@ struct Tally {
     divergence_iterations: u32,
     density_iterations: u32,
     unsolved: u32,
+    redone: u32,
     dropped: Dropped,
     times: Vec<(&'static str, Duration)>,
 }
@@ -120,6 +163,16 @@ impl Tally {
     fn count(&mut self, solved: Solved) -> u32 {
         self.unsolved += u32::from(!solved.converged);
         solved.iterations
+    }
+
+    /// A substep of `dt` seconds that was made and stays.
+    fn count_substep(&mut self, found: &Found, dt: f32, particles: usize) {
+        self.substeps += 1;
+        self.smallest = if self.substeps == 1 { dt } else { self.smallest.min(dt) };
+        let mean = found.compression.sum as f64 / 1_048_576.0 / particles.max(1) as f64;
+        self.mean_compression = self.mean_compression.max(mean as f32);
+        self.max_compression = self.max_compression.max(found.compression.largest);
+        self.max_speed = found.maxima.speed_squared.sqrt();
     }
 
     fn timed<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
@@ -153,9 +206,11 @@ impl CpuSolver {
         let mut solver = Self {
             schedule: schedule::schedule(passes, Vec::new(), plan.max_particles),
             arch,
+            iteration: options.iteration,
             next_id: particles.len as u32,
             particles,
             scratch: Particles::default(),
+            before: Before::default(),
             sorter: Sorter::default(),
             candidates: Vec::new(),
             workspaces: workers.spaces(),
@@ -163,6 +218,7 @@ impl CpuSolver {
             pressure_term: Vec::new(),
             acceleration: Default::default(),
             drift: Default::default(),
+            width: Vec::new(),
             solve: PressureSolve::default(),
             last_substep: 0.0,
             walls: SortedSamples::default(),
@@ -227,7 +283,9 @@ impl CpuSolver {
         self.body_samples = BodySamples::default();
         self.candidates = Vec::new();
         self.drift = Default::default();
+        self.width = Vec::new();
         self.solve = PressureSolve::default();
+        self.before = Before::default();
         let solves = self.plan.has(StageKind::DivergenceSolve);
         if solves != self.particles.keeps_pressures() {
             // Pressures are elsewhere from here on, and are not read before there are any.
@@ -268,6 +326,12 @@ impl CpuSolver {
         }
         if self.plan.has(StageKind::Xsph) {
             self.schedule.buffers.push(schedule::buffer("drift", real(&self.drift), true));
+        }
+        if self.plan.has(StageKind::Support) {
+            self.schedule.buffers.push(schedule::buffer("width", real(std::slice::from_ref(&self.width)), true));
+        }
+        if self.plan.parameters.redo_substeps {
+            self.schedule.buffers.push(schedule::buffer("before", self.before.bytes(), true));
         }
         if !self.walls.is_empty() {
             self.schedule.buffers.push(schedule::buffer("walls", self.walls.bytes(), false));
@@ -321,8 +385,11 @@ impl CpuSolver {
         self.bodies = input
             .bodies
             .iter()
+            .zip(&self.plan.bodies)
             .zip(&self.exchanges)
-            .map(|(body, exchanges)| MovingBody::begin(body, exchanges, input.tick, input.duration))
+            .map(|((body, planned), exchanges)| {
+                MovingBody::begin(body, planned.reach, exchanges, input.tick, input.duration)
+            })
             .collect();
         let parameters = &self.plan.parameters;
         for (body, left) in self.bodies.iter_mut().zip(&self.poses) {
@@ -334,9 +401,13 @@ impl CpuSolver {
         let asked = input.duration + self.carry;
         let mut covered = 0.0f32;
         let mut tally = Tally::default();
+        let mut found = None;
         // Past the budget time slows down; past the substep limit the rest waits for the next tick.
         self.carry = loop {
-            covered += self.substep(asked - covered, &mut tally);
+            covered += match self.plan.parameters.redo_substeps {
+                true => self.substep_or_redo(&mut found, asked - covered, &mut tally),
+                false => self.substep(asked - covered, &mut tally),
+            };
             let left = asked - covered;
             let spent = begin.elapsed().as_secs_f32() * 1e3;
             if left <= 1e-6 * asked || self.plan.budget_milliseconds.is_some_and(|budget| spent >= budget) {
@@ -355,6 +426,7 @@ impl CpuSolver {
         if tally.dropped.retired + tally.dropped.removed > 0 {
             self.particles.shrink();
             self.scratch.shrink();
+            self.before.shrink();
             self.candidates.truncate(self.sorter.chunks.len());
             self.candidates.iter_mut().for_each(Candidates::shrink);
         }
@@ -371,6 +443,7 @@ impl CpuSolver {
         report.divergence_iterations = tally.divergence_iterations;
         report.density_iterations = tally.density_iterations;
         report.unsolved = tally.unsolved;
+        report.redone = tally.redone;
         report.removed = tally.dropped.removed;
         // Those misplaced fell out with the others, at the first sort.
         report.retired = tally.dropped.retired.saturating_sub(report.inside_solids + report.beside_solids);
@@ -386,11 +459,23 @@ impl CpuSolver {
 
     /// One substep of at most `remaining` seconds; returns its length.
     fn substep(&mut self, remaining: f32, tally: &mut Tally) -> f32 {
+        let found = self.find(tally);
+        let dt = self.length(&found, remaining, tally);
+        self.advance(&found, dt, tally);
+        tally.count_substep(&found, dt, self.particles.len);
+        dt
+    }
+
+    /// Densities, accelerations and loads of the state as it is.
+    fn find(&mut self, tally: &mut Tally) -> Found {
         let gone = tally.timed("sort", || self.sort());
         tally.dropped.retired += gone.retired;
         tally.dropped.removed += gone.removed;
         if self.plan.has(StageKind::BodySort) {
             tally.timed("body_sort", || self.body_samples.update(&self.plan.grid, &self.plan.bodies, &self.bodies));
+        }
+        if self.plan.has(StageKind::Support) {
+            tally.timed("support", || self.support_stage());
         }
         let compression = tally.timed("density", || self.density_stage());
         let maxima = tally.timed("acceleration", || self.acceleration_stage());
@@ -401,14 +486,23 @@ impl CpuSolver {
                 PressureSolver::DivergenceFree(_) => self.body_touch_stage(),
             });
         }
-        let dt = tally.timed("step_control", || {
-            step_control::substep(&self.plan.parameters, &maxima, &self.bodies, self.gravity, remaining)
-        });
+        Found { compression, maxima }
+    }
+
+    /// The length of a substep from a state, s.
+    fn length(&self, found: &Found, remaining: f32, tally: &mut Tally) -> f32 {
+        tally.timed("step_control", || {
+            step_control::substep(&self.plan.parameters, &found.maxima, &self.bodies, self.gravity, remaining)
+        })
+    }
+
+    /// Solves for pressures, if the plan does, and moves everything over `dt` seconds.
+    fn advance(&mut self, found: &Found, dt: f32, tally: &mut Tally) {
         if let PressureSolver::DivergenceFree(solver) = self.plan.parameters.pressure_solver
             && dt >= DivergenceFree::SHORTEST
         {
             self.solve.bodies.begin(&self.bodies, &self.loads, dt);
-            let speed = maxima.speed_squared.sqrt().max(self.solve.bodies.speed(&self.bodies));
+            let speed = found.maxima.speed_squared.sqrt().max(self.solve.bodies.speed(&self.bodies));
             let way = (speed * dt / self.plan.parameters.longest_way()).min(1.0);
             let solved = tally.timed("divergence_solve", || self.divergence_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
@@ -427,13 +521,6 @@ impl CpuSolver {
             }
         });
         tally.timed("integrate", || self.integrate_stage(dt));
-        tally.substeps += 1;
-        tally.smallest = if tally.substeps == 1 { dt } else { tally.smallest.min(dt) };
-        let mean = compression.sum as f64 / 1_048_576.0 / self.particles.len.max(1) as f64;
-        tally.mean_compression = tally.mean_compression.max(mean as f32);
-        tally.max_compression = tally.max_compression.max(compression.largest);
-        tally.max_speed = maxima.speed_squared.sqrt();
-        dt
     }
 
     /// Stages `friction` and `xsph`, if the plan has them.

@@ -19,6 +19,8 @@ pub struct Workspace {
     pub sticking: Packed<7>,
     /// Fluid with a viscosity.
     pub viscous: Packed<8>,
+    /// The same with the width of its support.
+    pub wide: Packed<9>,
     /// Of particles.
     pub sums: Sums,
     /// Of particles, over the walls.
@@ -30,9 +32,9 @@ pub struct Workspace {
 impl Workspace {
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
-        let Self { places, calm, moving, dragging, sticking, viscous, sums, wall_sums, candidates } = self;
+        let Self { places, calm, moving, dragging, sticking, viscous, wide, sums, wall_sums, candidates } = self;
         let packed =
             places.bytes() + calm.bytes() + moving.bytes() + dragging.bytes() + sticking.bytes() + viscous.bytes();
-        packed + sums.bytes() + wall_sums.bytes() + candidates.bytes()
+        packed + wide.bytes() + sums.bytes() + wall_sums.bytes() + candidates.bytes()
     }
 }

@@ -343,3 +343,18 @@ fn odd_bodies_end_with_finite_numbers() {
         }
     }
 }
+
+/// A blade that turns about its end: where it is fast is not where its centre of mass is said to be.
+#[test]
+fn substeps_are_short_enough_for_what_turns() {
+    let mut scene = column_with(1, 1e-3);
+    scene.volumes.clear();
+    scene.settings.max_particles = Some(10);
+    scene.bodies[0].samples = (0..20u8).map(|i| Vec3::X * 0.025 * f32::from(i)).collect();
+    let (rate, reach) = (10.0, 0.025 * 19.0);
+    let bodies = vec![BodyInput { angular_velocity: Vec3::Y * rate, ..BodyInput::default() }];
+    let mut solver = solver(&scene, 1);
+    let report = solver.step(&StepInput { duration: 1.0 / 60.0, bodies, ..StepInput::default() }).unwrap();
+    let way = report.smallest_substep * rate * reach;
+    assert!(way <= 1.001 * scene.settings.courant_factor * 0.025, "{way} m in a substep, {report:?}");
+}

@@ -100,15 +100,22 @@ fn reference(plan: &Plan, state: &Snapshot) -> Reference {
         .zip(viscous)
         .map(|((x, &v), &viscous)| (x.as_dvec3(), f64::from(v), viscous))
         .collect();
-    let density: Vec<f64> = x
+    let of_width = |width: f64| Kernel::new(p.kernel, (f64::from(p.support_radius) * width) as f32).unwrap();
+    let density_with = |at: DVec3, kernel_of: &dyn Fn(usize) -> Kernel| {
+        let fluid: f64 = x.iter().enumerate().map(|(b, other)| kernel_of(b).value(near(at - other).length())).sum();
+        let wall: f64 = walls.iter().map(|(other, volume, _)| volume * kernel.value(near(at - other).length())).sum();
+        (mass * fluid + rest * wall) / f64::from(p.density_calibration)
+    };
+    // From the formulas of freshet_core::variable_support.
+    let widest = f64::from(p.widest_support);
+    let width: Vec<f64> = x
         .iter()
         .map(|&at| {
-            let fluid: f64 = x.iter().map(|other| kernel.value(near(at - other).length())).sum();
-            let wall: f64 =
-                walls.iter().map(|(other, volume, _)| volume * kernel.value(near(at - other).length())).sum();
-            (mass * fluid + rest * wall) / f64::from(p.density_calibration)
+            (0..4).fold(1.0, |width, _| (rest / density_with(at, &|_| of_width(width))).cbrt().clamp(1.0, widest))
         })
         .collect();
+    let of_pair = |a: usize, b: usize| of_width(0.5 * (width[a] + width[b]));
+    let density: Vec<f64> = (0..x.len()).map(|a| density_with(x[a], &|b| of_pair(a, b))).collect();
     let pressure: Vec<f64> = density.iter().map(|&rho| p.pressure_law.pressure(rest, rho)).collect();
     let term: Vec<f64> = pressure.iter().zip(&density).map(|(p, rho)| p / (rho * rho)).collect();
     let pi = |apart: DVec3, moving: DVec3, mean_density: f64| {
@@ -125,7 +132,7 @@ fn reference(plan: &Plan, state: &Snapshot) -> Reference {
             for b in 0..x.len() {
                 let (apart, moving) = (near(x[a] - x[b]), v[a] - v[b]);
                 let viscous = pi(apart, moving, 0.5 * (density[a] + density[b]));
-                let slope = kernel.derivative_over_r(apart.length());
+                let slope = of_pair(a, b).derivative_over_r(apart.length());
                 sum += mass * (term[a] + term[b] + viscous) * slope * apart;
                 if a != b {
                     sum += mass * 2.0 * f64::from(p.near_pressure) / rest * steep(apart.length()) * apart;
@@ -173,7 +180,7 @@ fn read(solver: &mut CpuSolver, field: Field) -> FieldData {
 fn assert_agrees(plan: &Plan, instruction_set: InstructionSet) {
     let (kernel, state) = (plan.parameters.kernel, jittered(plan));
     let expected = reference(plan, &state);
-    let mut solver = evaluate(plan, &state, CpuOptions { threads: Some(2), instruction_set });
+    let mut solver = evaluate(plan, &state, CpuOptions { threads: Some(2), instruction_set, ..CpuOptions::default() });
     let density = read(&mut solver, Field::Density).scalars().unwrap();
     let pressure = read(&mut solver, Field::Pressure).scalars().unwrap();
     let acceleration = read(&mut solver, Field::Acceleration).vectors().unwrap();
@@ -214,6 +221,31 @@ fn near_pressure_agrees_too() {
     }
 }
 
+/// In a fluid that is thin here and dense there.
+#[test]
+fn supports_of_different_widths_agree_too() {
+    for (kernel, alpha, widest, instruction_set) in [
+        (KernelKind::WendlandC2, 0.05, 1.7, InstructionSet::Widest),
+        (KernelKind::CubicSpline, 0.0, 2.0, InstructionSet::Scalar),
+        (KernelKind::QuinticSpline, 0.0, 1.25, InstructionSet::Widest),
+    ] {
+        for mut scene in [scene(kernel, alpha), channel(kernel, alpha)] {
+            scene.settings.widest_support = widest;
+            scene.settings.near_pressure = 0.05 * alpha;
+            if let Some((low, high)) = &mut scene.periodic.x {
+                // Long enough for cells of the widest support.
+                (*low, *high) = (*low, *low + (*high - *low) * widest);
+            }
+            if let Some((low, high)) = &mut scene.periodic.z {
+                (*low, *high) = (*low, *low + (*high - *low) * widest);
+            }
+            let plan = Plan::new(&scene).unwrap();
+            assert!(plan.has(StageKind::Support) && plan.parameters.widest_support == widest);
+            assert_agrees(&plan, instruction_set);
+        }
+    }
+}
+
 /// XSPH's sum over all pairs, with the velocities and densities that the solver left (Monaghan 1989, eq. 2.6).
 #[test]
 fn xsph_moves_particles_as_sums_over_all_pairs_say() {
@@ -226,7 +258,9 @@ fn xsph_moves_particles_as_sums_over_all_pairs_say() {
         scene.settings.xsph = 0.7;
         let plan = Plan::new(&scene).unwrap();
         let state = jittered(&plan);
-        let mut solver = CpuSolver::new(plan.clone(), CpuOptions { threads: Some(2), instruction_set }).unwrap();
+        let mut solver =
+            CpuSolver::new(plan.clone(), CpuOptions { threads: Some(2), instruction_set, ..CpuOptions::default() })
+                .unwrap();
         solver.restore(&state).unwrap();
         let dt = 2e-4;
         let report = solver.step(&StepInput { duration: dt, ..StepInput::default() }).unwrap();
@@ -285,7 +319,9 @@ fn friction_takes_what_coulomb_says() {
             ..plan.clone()
         };
         let result = |plan: &Plan| {
-            let mut solver = CpuSolver::new(plan.clone(), CpuOptions { threads: Some(2), instruction_set }).unwrap();
+            let mut solver =
+                CpuSolver::new(plan.clone(), CpuOptions { threads: Some(2), instruction_set, ..CpuOptions::default() })
+                    .unwrap();
             solver.restore(&state).unwrap();
             let report = solver.step(&StepInput { duration: dt, ..StepInput::default() }).unwrap();
             assert_eq!(report.substeps, 1, "{report:?}");

@@ -8,12 +8,12 @@ use crate::cells::{CellTables, first_body_sample, sort_walls};
 use crate::device::{check_device, check_textures};
 use crate::errors::guarded;
 use crate::layout::{
-    Binding, BodyInputRecord, BodyRecord, BodySampleRecord, Parameters, SampleLoadRecord, StepControl,
+    Binding, BodyAnswerRecord, BodyInputRecord, BodyRecord, BodySampleRecord, Parameters, SampleLoadRecord, StepControl,
 };
 use crate::memory::{Held, Memory, TEXEL_BYTES, write_texels};
 use crate::options::GpuOptions;
 use crate::parameters::parameters;
-use crate::passes::{Arguments, incompressible};
+use crate::passes::{Arguments, answering_bodies, incompressible, solve_words};
 
 /// Ticks that can be prepared without their report being collected.
 pub(crate) const TICK_SLOTS: usize = 8;
@@ -71,19 +71,22 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
         let asked_for = match binding {
             Binding::Motions | Binding::Solves => incompressible(plan),
             Binding::Drifts => plan.has(StageKind::Xsph),
+            Binding::Widths => plan.has(StageKind::Support),
             _ => true,
         };
         asked_for && binding.memory() == *binding
     };
     for binding in Binding::ALL.into_iter().filter(needed) {
         if let Some(each) = binding.particle_bytes() {
+            let each = if binding == Binding::Solves { 4 * u64::from(solve_words(plan)) } else { each };
             need(binding, each * u64::from(capacity), state);
         }
     }
     need(Binding::CellCounts, 4 * u64::from(tables.counts), state);
     need(Binding::CellStarts, 4 * u64::from(tables.starts), state);
     let moving = plan.body_samples();
-    let samples = first_body_sample(plan) + moving;
+    let arms = if answering_bodies(plan) { moving } else { 0 };
+    let samples = first_body_sample(plan) + moving + arms;
     if samples > 0 {
         need(Binding::Samples, bytes(16, samples), state);
     }
@@ -97,6 +100,9 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
         need(Binding::BodySamples, bytes(size_of::<BodySampleRecord>(), moving), state);
         need(Binding::BodySlots, bytes(4, moving), Usage::STORAGE);
         need(Binding::SampleLoads, bytes(size_of::<SampleLoadRecord>(), moving), Usage::STORAGE);
+        if answering_bodies(plan) {
+            need(Binding::Answers, bytes(size_of::<BodyAnswerRecord>(), bodies), Usage::STORAGE);
+        }
     }
     needs
 }
@@ -261,6 +267,7 @@ fn body_records(plan: &Plan) -> (Vec<BodySampleRecord>, Vec<BodyRecord>) {
             rotation: [0.0, 0.0, 0.0, 1.0],
             first_sample: samples.len() as u32,
             sample_count: body.samples.len() as u32,
+            reach: body.reach,
             ..Default::default()
         });
         samples.extend(body.samples.iter().zip(&body.volumes).map(|(&offset, &volume)| BodySampleRecord {

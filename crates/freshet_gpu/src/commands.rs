@@ -1,7 +1,7 @@
 //! A tick's commands as uploads and dispatches.
 
+use freshet_core::misplaced::Misplaced;
 use freshet_core::plan::Plan;
-use freshet_core::solid::Misplaced;
 use freshet_core::solver::SolverError;
 use freshet_core::step::Command;
 use glam::Vec3;

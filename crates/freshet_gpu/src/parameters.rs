@@ -38,6 +38,8 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         Vec3::from([0, 1, 2].map(|axis| plan.grid.periodic.along(axis).map_or(none, |(low, high)| [low, high][end])))
     };
     let viscosity = f64::from(p.dynamic_viscosity);
+    let diagonal_scale =
+        (mass * slope_scale).powi(2) / (f64::from(p.density_calibration) * f64::from(p.gradient_calibration) * rest);
     // Of other plans nobody reads it.
     let solver = match p.pressure_solver {
         PressureSolver::DivergenceFree(solver) => solver,
@@ -49,7 +51,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         bounds_min: p.bounds_min,
         inverse_cell_size: grid.inverse_cell_size,
         grid_origin: grid.origin,
-        cells_per_radius: p.support_radius * grid.inverse_cell_size,
+        cells_per_radius: plan.grid.cell_size * grid.inverse_cell_size,
         period,
         inverse_period: period.map(|length| if length > 0.0 { 1.0 / length } else { 0.0 }),
         period_low: ends(0, f32::MIN),
@@ -96,9 +98,9 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         expected_speed: p.expected_speed,
         rate_scale: (mass * slope_scale / (f64::from(p.density_calibration) * rest)) as f32,
         number_density: (rest / mass) as f32,
-        diagonal_scale: ((mass * slope_scale).powi(2)
-            / (f64::from(p.density_calibration) * f64::from(p.gradient_calibration) * rest))
-            as f32,
+        diagonal_scale: diagonal_scale as f32,
+        // Over the largest eigenvalue of the lattice.
+        stiffness_scale: (diagonal_scale * mass * f64::from(p.relaxation / DivergenceFree::RELAXATION)) as f32,
         least_diagonal: p.least_diagonal,
         relaxation: p.relaxation,
         longest_way: p.longest_way(),
@@ -112,6 +114,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         filling: DivergenceFree::FILLING,
         max_iterations: solver.max_iterations,
         body_reach: p.body_reach(),
+        widest_support: p.widest_support,
         ..Default::default()
     }
 }

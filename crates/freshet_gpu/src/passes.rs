@@ -30,11 +30,15 @@ pub(crate) enum Arguments {
     Iterations,
     /// A thread for each particle in the first pass of a density solve.
     Density,
+    /// A thread for each sample of a body in an iteration of a divergence solve.
+    Pushes,
+    /// A group for each body in an iteration of a divergence solve.
+    Answers,
 }
 
 impl Arguments {
     /// Number of indirect dispatches; the arguments of drawing come after them.
-    pub const COUNT: u32 = 9;
+    pub const COUNT: u32 = 11;
 
     /// Offset in bytes.
     pub fn offset(self) -> u64 {
@@ -108,6 +112,16 @@ pub(crate) fn incompressible(plan: &Plan) -> bool {
     matches!(plan.parameters.pressure_solver, PressureSolver::DivergenceFree(_))
 }
 
+/// Whether there are bodies that answer to the solves of an incompressible fluid.
+pub(crate) fn answering_bodies(plan: &Plan) -> bool {
+    incompressible(plan) && !plan.bodies.is_empty()
+}
+
+/// Words of each particle in [`Binding::Solves`].
+pub(crate) fn solve_words(plan: &Plan) -> u32 {
+    if plan.bodies.is_empty() { 8 } else { 10 }
+}
+
 /// Whether pairs need each other's velocities.
 pub(crate) fn needs_velocities(plan: &Plan) -> bool {
     plan.parameters.artificial_viscosity > 0.0 || plan.parameters.dynamic_viscosity > 0.0
@@ -131,7 +145,7 @@ pub(crate) fn substep_passes(plan: &Plan) -> Vec<Pass> {
 
 /// Whether a stage comes after the solves of an incompressible fluid.
 fn is_of_the_end(stage: StageKind) -> bool {
-    matches!(stage, StageKind::Friction | StageKind::Xsph | StageKind::Integrate)
+    matches!(stage, StageKind::Friction | StageKind::Xsph | StageKind::BodyMotion | StageKind::Integrate)
 }
 
 fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
@@ -157,19 +171,42 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
     let state = (B::Particles, Read);
     let neighbours = [(B::SortedPositions, Read), (B::CellStarts, Read), (B::Control, Write)];
     let with_words = |solve_words, pass| Pass { solve_words, ..pass };
+    let answers = solves && bodies;
     let control = |name| {
-        let pass =
-            pass(name, passes::SOLVE_CONTROL, Arguments::Particles, &[(B::Control, Write), (B::Arguments, Write)]);
+        let uses = with(answers, vec![(B::Control, Write), (B::Arguments, Write)], &[(B::Answers, Write)]);
+        let pass = pass(name, passes::SOLVE_CONTROL, Arguments::Particles, &uses);
         Pass { dispatch: Dispatch::Single, ..pass }
     };
+    // Forces on samples by the pressures in a buffer, and what is written of their sums.
+    let loads = |names: [&'static str; 2], dispatches: [Arguments; 2], pressures, sums: &[(Binding, Access)]| {
+        let on_samples = [
+            (B::Bodies, Read),
+            (B::BodySamples, Read),
+            (B::SortedPositions, Read),
+            (B::CellStarts, Read),
+            (pressures, Read),
+            (B::SampleLoads, Write),
+        ];
+        let on_bodies = with(true, vec![(B::SampleLoads, Read)], sums);
+        let samples = pass(names[0], passes::BODY_LOAD, dispatches[0], &on_samples);
+        [with_words(1, samples), pass(names[1], passes::BODY_LOAD, dispatches[1], &on_bodies)]
+    };
+    let touches = with(true, neighbours.to_vec(), &[(B::Samples, Read), (B::Hits, Read), (B::Answers, Write)]);
     let iteration = || {
         let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
         let change = with(true, uses.clone(), &[(B::Hits, Read), (B::Solves, Read), (B::Motions, Write)]);
         let project = with(true, uses, &[(B::Hits, Read), (B::Solves, Write), (B::Motions, Read)]);
+        let project = with(answers, project, &[(B::Answers, Write)]);
         let change = pass("pressure_change", passes::PROJECTION, Arguments::Iterations, &change);
         let project = pass("project", passes::PROJECTION, Arguments::Iterations, &project);
-        let passes = [with_words(2, change), with_words(8, project), control("solve_control")];
-        passes.map(|pass| Pass { iterates: true, ..pass })
+        let mut passes = vec![with_words(2, change)];
+        if answers {
+            let dispatches = [Arguments::Pushes, Arguments::Answers];
+            let sums = [(B::Bodies, Read), (B::Answers, Write)];
+            passes.extend(loads(["body_push", "body_answer"], dispatches, B::Solves, &sums));
+        }
+        passes.extend([with_words(if answers { 10 } else { 8 }, project), control("solve_control")]);
+        passes.into_iter().map(|pass| Pass { iterates: true, ..pass })
     };
     match stage {
         StageKind::Sort => vec![
@@ -235,10 +272,17 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 ),
             ]
         }
+        // It finds the neighbours too: densities come with eight buffers already, as many as WebGPU has by default.
+        StageKind::Support => {
+            let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
+            let uses = with(true, uses, &[(B::Hits, Write), (B::Accelerations, Write), (B::Widths, Write)]);
+            vec![pass("support", passes::SUPPORT, Arguments::Particles, &uses)]
+        }
         StageKind::Density => {
             let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
-            let written = [B::SortedVelocities, B::Hits, B::Accelerations].map(|binding| (binding, Write));
-            let uses = with(true, uses, &written);
+            let uses = with(true, uses, &[(B::SortedVelocities, Write), (B::Accelerations, Write)]);
+            let widths = plan.has(StageKind::Support);
+            let uses = with(true, uses, &[if widths { (B::Widths, Read) } else { (B::Hits, Write) }]);
             // Of an incompressible fluid they are written when its pressures are known.
             let uses = with(!solves, uses, &[(B::Densities, Write)]);
             vec![pass("density", passes::DENSITY, Arguments::Particles, &uses)]
@@ -248,26 +292,23 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(true, uses, &[(if viscous || solves { B::SortedVelocities } else { B::Densities }, Read)]);
             let uses = with(solves, uses, &[(B::Solves, Write)]);
             let uses = with(true, uses, &[(B::Accelerations, Write), (B::Hits, Read)]);
+            let uses = with(plan.has(StageKind::Support), uses, &[(B::Widths, Read)]);
             vec![with_words(3, pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses))]
         }
-        StageKind::BodyLoad => vec![
-            pass(
-                "body_load",
-                passes::BODY_LOAD,
-                Arguments::Samples,
-                &[
-                    (B::Bodies, Read),
-                    (B::BodySamples, Read),
-                    (B::SortedPositions, Read),
-                    (B::CellStarts, Read),
-                    (B::Densities, Read),
-                    (B::SampleLoads, Write),
-                ],
-            ),
-            pass("body_sum", passes::BODY_LOAD, Arguments::Bodies, &[(B::Bodies, Write), (B::SampleLoads, Read)]),
-        ],
+        StageKind::BodyLoad => {
+            let sums = with(solves, vec![(B::Bodies, Write)], &[(B::Answers, Write)]);
+            let pressures = if solves { B::Solves } else { B::Densities };
+            let dispatches = [Arguments::Samples, Arguments::Bodies];
+            let mut load = loads(["body_load", "body_sum"], dispatches, pressures, &sums).to_vec();
+            if solves {
+                let uses = with(true, touches, &[(B::Bodies, Read), (B::Solves, Write)]);
+                load.push(with_words(2, pass("body_touch", passes::BODY_TOUCH, Arguments::Particles, &uses)));
+            }
+            load
+        }
         StageKind::StepControl => {
             let uses = with(bodies, vec![(B::Control, Write), (B::Arguments, Write)], &[(B::Bodies, Read)]);
+            let uses = with(answers, uses, &[(B::Answers, Read)]);
             // Dispatched in any case: past the tick's end it switches the motion off.
             let pass = pass("step_control", passes::STEP_CONTROL, Arguments::Particles, &uses);
             vec![Pass { dispatch: Dispatch::Single, ..pass }]
@@ -277,7 +318,15 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let more = [(B::Hits, Read), (B::SortedVelocities, Read), (B::Accelerations, Read), (B::Solves, Write)];
             let uses = with(true, uses, &more);
             let first = pass("divergence_first", passes::PROJECTION, Arguments::First, &uses);
-            let begin = vec![with_words(8, first), control("first_control")];
+            let mut begin = vec![with_words(8, first)];
+            if answers {
+                let uses = with(true, touches.clone(), &[(B::Bodies, Read), (B::Solves, Write)]);
+                let rates = pass("divergence_bodies", passes::BODY_TOUCH, Arguments::First, &uses);
+                begin.insert(0, with_words(4, rates));
+                let uses = with(true, touches, &[(B::Solves, Read)]);
+                begin.push(with_words(3, pass("left_at_bodies", passes::BODY_TOUCH, Arguments::First, &uses)));
+            }
+            begin.push(control("first_control"));
             begin.into_iter().chain(iteration()).collect()
         }
         StageKind::DensitySolve => {
@@ -332,7 +381,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             "body_motion",
             passes::BODY_MOTION,
             Arguments::BodyMotion,
-            &[(B::Bodies, Write), (B::Control, Write)],
+            &with(answers, vec![(B::Bodies, Write), (B::Control, Write)], &[(B::Answers, Read)]),
         )],
         StageKind::Integrate => {
             let moved = [
@@ -355,18 +404,15 @@ pub(crate) fn closing_passes(plan: &Plan) -> Vec<Pass> {
     if !incompressible(plan) {
         return Vec::new();
     }
-    let close = || {
-        between(
-            "close_solve",
-            passes::SOLVE_CONTROL,
-            Dispatch::Single,
-            &[(Binding::Control, Access::Write), (Binding::Arguments, Access::Write)],
-        )
-    };
-    let mut passes = vec![close()];
+    let mut uses = vec![(Binding::Control, Access::Write), (Binding::Arguments, Access::Write)];
+    if answering_bodies(plan) {
+        uses.push((Binding::Answers, Access::Write));
+    }
+    let close = |name| between(name, passes::SOLVE_CONTROL, Dispatch::Single, &uses);
+    let mut passes = vec![close("close_solve")];
     let substep = substep_passes(plan);
     passes.extend(substep.iter().filter(|pass| matches!(pass.name, "density_begin" | "density_control")).cloned());
-    passes.push(close());
+    passes.push(close("close_density_solve"));
     passes.extend(substep.into_iter().filter(|pass| pass.stage.is_some_and(is_of_the_end)));
     passes
 }

@@ -57,6 +57,8 @@ impl Arrival {
             divergence_iterations: control.divergence_iterations,
             density_iterations: control.density_iterations,
             unsolved: control.unsolved,
+            // It refuses plans that ask for it.
+            redone: 0,
             removed: control.removed.0,
             retired: control.retired.0,
             refused: control.refused,

@@ -7,6 +7,7 @@ use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::kernel::KernelKind;
 use freshet_core::plan::Plan;
 use freshet_core::solver::SolverError;
+use freshet_core::variable_support::EVALUATIONS;
 use freshet_shaders::library;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 use wgpu::naga;
@@ -15,7 +16,7 @@ use crate::cells::WallDrag;
 use crate::fine_grid::CELLS_PER_RADIUS;
 use crate::layout::bindings_module;
 use crate::options::GpuOptions;
-use crate::passes::{Arguments, Pass, incompressible, moving_walls, needs_velocities};
+use crate::passes::{Arguments, Pass, incompressible, moving_walls, needs_velocities, solve_words};
 
 /// Cells that a workgroup of the prefix sum handles.
 pub(crate) const SCAN_BLOCK: u32 = 1024;
@@ -43,7 +44,11 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("ARGUMENTS_FIRST", Arguments::First as u32);
     number("ARGUMENTS_ITERATIONS", Arguments::Iterations as u32);
     number("ARGUMENTS_DENSITY", Arguments::Density as u32);
+    number("ARGUMENTS_PUSHES", Arguments::Pushes as u32);
+    number("ARGUMENTS_ANSWERS", Arguments::Answers as u32);
     number("ARGUMENTS_DRAW", 3 * Arguments::COUNT);
+    number("SOLVE_WORDS", solve_words(plan));
+    number("WIDTH_EVALUATIONS", EVALUATIONS);
 
     let mut set = |name: &str| definitions.insert(name.to_owned(), ShaderDefValue::Bool(true));
     let walls = !plan.boundary.positions.is_empty();
@@ -57,6 +62,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("ARTIFICIAL_VISCOSITY", parameters.artificial_viscosity > 0.0),
         ("NEAR_PRESSURE", parameters.near_pressure > 0.0),
         ("XSPH_DRIFT", parameters.xsph > 0.0),
+        ("WIDTHS", parameters.widest_support > 1.0),
         ("MORRIS_VISCOSITY", parameters.dynamic_viscosity > 0.0),
         ("DRAGGING_WALLS", drag == WallDrag::Artificial),
         ("STICKING_WALLS", drag == WallDrag::Morris),
@@ -70,11 +76,11 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         }
     }
     set(kernel_definition(parameters.kernel)?);
-    if incompressible(plan) && bodies {
+    if parameters.redo_substeps {
         return Err(SolverError::Unsupported {
             backend: "gpu",
-            what: "bodies with settings.pressure_solver DivergenceFree".to_owned(),
-            reason: "it has them in weakly compressible fluids only; use the CPU, or WeaklyCompressible".to_owned(),
+            what: "settings.redo_substeps".to_owned(),
+            reason: "it keeps no state to go back to; use the CPU, or leave it out".to_owned(),
         });
     }
     match parameters.pressure_law.equation {

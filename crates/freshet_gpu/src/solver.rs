@@ -2,10 +2,10 @@
 
 use std::collections::VecDeque;
 
+use freshet_core::misplaced::Misplaced;
 use freshet_core::plan::Plan;
 use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::relaxation::relax;
-use freshet_core::solid::Misplaced;
 use freshet_core::solver::{Schedule, ScheduledBuffer, SolverError};
 use freshet_core::step::{BodyInput, StepInput, StepReport};
 use glam::Vec3;

@@ -10,7 +10,7 @@ pub enum Method {
     /// From densities, by Tait's equation of state.
     #[default]
     WeaklyCompressible,
-    /// DFSPH with its default tolerances; with bodies on the CPU only.
+    /// DFSPH with its default tolerances.
     DivergenceFree,
 }
 

@@ -196,9 +196,32 @@ fn stages_agree_from_the_same_states_and_a_wrong_constant_in_a_shader_is_found()
     }
 }
 
-/// The same without bodies, incompressible; solved so well that it does not matter whether one iteration more is made.
+/// The same with supports that grow where water is thin: at its surface, and in what splashes; also around bodies and at walls.
+#[test]
+fn stages_with_supports_of_different_widths_agree_and_a_wrong_width_is_found() {
+    let states = states(&Plan::new(&scene()).unwrap());
+    let mut scene = scene();
+    scene.settings.widest_support = 1.6;
+    scene.settings.max_substeps = 1;
+    let plan = Plan::new(&scene).unwrap();
+    let (mut cpu, mut right) = (cpu(&plan), gpu(&plan, None));
+    for (name, state) in &states {
+        compare(&plan, state, &mut cpu, &mut right).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+    for (from, to) in [
+        ("let inverse_width = 2.0 / (own.width", "let inverse_width = 2.0 / (1.01 * own.width"),
+        ("#{WIDTH_EVALUATIONS}u", "3u"),
+        ("1.0, fields::parameters.widest_support)", "1.0, 0.99 * fields::parameters.widest_support)"),
+    ] {
+        let mut wrong = gpu(&plan, Some((from, to)));
+        let found = states.iter().any(|(_, state)| compare(&plan, state, &mut cpu, &mut wrong).is_err());
+        assert!(found, "{from} -> {to} went unnoticed");
+    }
+}
+
+/// The same, incompressible; solved so well that it does not matter whether one iteration more is made.
 fn incompressible(solver: DivergenceFree) -> FluidScene {
-    let mut scene = FluidScene { bodies: Vec::new(), ..scene() };
+    let mut scene = scene();
     scene.settings.pressure_solver = PressureSolver::DivergenceFree(solver);
     scene
 }
@@ -207,7 +230,8 @@ fn incompressible(solver: DivergenceFree) -> FluidScene {
 /// backends: step, iterations, compression, and all fields.
 #[test]
 fn incompressible_stages_agree_from_the_same_states() {
-    let run = Plan::new(&incompressible(DivergenceFree::default())).unwrap();
+    let without = |solver| FluidScene { bodies: Vec::new(), ..incompressible(solver) };
+    let run = Plan::new(&without(DivergenceFree::default())).unwrap();
     let mut solver = cpu(&run);
     let mut states = vec![solver.snapshot().unwrap()];
     for number in 0..36u64 {
@@ -225,7 +249,7 @@ fn incompressible_stages_agree_from_the_same_states() {
     states.push(jittered);
 
     let exact = DivergenceFree { compression: 1e-5, divergence: 1e-6, max_iterations: 3000 };
-    let mut plain = incompressible(exact);
+    let mut plain = without(exact);
     plain.settings.max_substeps = 1;
     let mut aided = plain.clone();
     aided.settings.xsph = 0.5;
@@ -234,13 +258,43 @@ fn incompressible_stages_agree_from_the_same_states() {
     compare_incompressible(&aided, &states);
 }
 
+/// The same with a fixed and a light ball: also how many iterations are made for them, and what they are given, to 1e-4 of the largest.
+#[test]
+fn incompressible_stages_with_bodies_agree_from_the_same_states() {
+    let states = states(&Plan::new(&incompressible(DivergenceFree::default())).unwrap());
+    let states: Vec<_> = states.into_iter().map(|(_, state)| state).collect();
+    let exact = DivergenceFree { compression: 1e-5, divergence: 1e-6, max_iterations: 3000 };
+    let mut scene = incompressible(exact);
+    scene.settings.max_substeps = 1;
+    compare_incompressible(&scene, &states);
+}
+
+/// And where both balls reach through the end of a period.
+#[test]
+fn incompressible_stages_with_bodies_agree_across_the_end_of_a_period() {
+    let mut scene = incompressible(DivergenceFree { compression: 1e-5, divergence: 1e-6, max_iterations: 3000 });
+    let floor = Boundary::new(BoundaryShape::Plane { half_extents: [0.6, 0.2] }, Vec3::new(0.5, 0.0, 0.2));
+    scene.boundaries = vec![floor];
+    scene.periodic = Periodic { z: Some((0.0, 0.4)), ..Periodic::default() };
+    scene.settings.max_substeps = 1;
+    let mut solver = cpu(&Plan::new(&scene).unwrap());
+    let mut state = solver.snapshot().unwrap();
+    for (index, (x, v)) in state.positions.iter_mut().zip(&mut state.velocities).enumerate() {
+        let shift = |salt: f32| ((index as f32 + 1.0) * salt).sin();
+        *x += 0.005 * Vec3::new(shift(12.9), shift(78.2), shift(37.7));
+        *v = 0.5 * Vec3::new(shift(3.1), shift(41.3), shift(7.9));
+    }
+    compare_incompressible(&scene, &[state]);
+}
+
 fn compare_incompressible(scene: &FluidScene, states: &[Snapshot]) {
     let plan = Plan::new(scene).unwrap();
     let (mut cpu, mut gpu) = (cpu(&plan), gpu(&plan, None));
     for state in states {
         cpu.restore(state).unwrap();
         gpu.restore(state).unwrap();
-        let input = StepInput { tick: state.tick, duration: 0.25, ..StepInput::default() };
+        let bodies = if scene.bodies.is_empty() { Vec::new() } else { bodies() };
+        let input = StepInput { tick: state.tick, duration: 0.25, bodies, ..StepInput::default() };
         let (a, b) = (cpu.step(&input).unwrap(), gpu.step(&input).unwrap());
         assert_eq!((a.substeps, b.substeps, a.unsolved, b.unsolved), (1, 1, 0, 0), "{a:?} {b:?}");
         let close = |cpu: f32, gpu: f32, allowed: f32| (cpu - gpu).abs() <= allowed * cpu.abs().max(gpu.abs());
@@ -250,6 +304,11 @@ fn compare_incompressible(scene: &FluidScene, states: &[Snapshot]) {
             [(a.divergence_iterations, b.divergence_iterations), (a.density_iterations, b.density_iterations)]
         {
             assert!(cpu.abs_diff(gpu) <= 1 + cpu / 20, "{a:?} {b:?}");
+        }
+        let size = |impulse: &Impulse| impulse.linear.length().max(impulse.angular.length());
+        let largest = a.bodies.iter().map(size).fold(0.0, f32::max);
+        for (body, (&a, &b)) in a.bodies.iter().zip(&b.bodies).enumerate() {
+            assert!(size(&(a - b)) <= TOLERANCE as f32 * largest, "body {body} from tick {}: {a:?} {b:?}", state.tick);
         }
         for &field in &plan.fields {
             let (a, b) = (rows(&mut cpu, field), rows(&mut gpu, field));

@@ -1,7 +1,7 @@
 //! The dam breaks in their quick form, on both backends.
 
 use freshet_lab::backend::Backend;
-use freshet_lab::commands::dam_break::{COARSE_HEIGHT_RMS_BOUND, Run, simulate};
+use freshet_lab::commands::dam_break::{HEIGHT_RMS_BOUND, Run, simulate};
 use freshet_lab::error::LabError;
 use freshet_lab::method::Method;
 use freshet_lab::progress::Progress;
@@ -23,7 +23,7 @@ fn assert_near_the_experiment(run: &Run) {
     assert_eq!(run.height_error.is_some(), !run.experiment.heights.is_empty(), "{name}");
     if let Some(height) = run.height_error {
         assert!(height.error.points == run.experiment.heights.len(), "{name} on {}: {height:?}", run.backend);
-        assert!(height.error.rms_shifted < COARSE_HEIGHT_RMS_BOUND, "{name} on {}: {height:?}", run.backend);
+        assert!(height.error.rms_shifted < HEIGHT_RMS_BOUND, "{name} on {}: {height:?}", run.backend);
     }
     assert!(
         run.account.lost == 0 && run.escaped == 0 && run.account.time_scale > 0.999,
@@ -43,6 +43,15 @@ fn fronts_and_heights_are_near_the_experiments() -> Result<(), LabError> {
     Ok(())
 }
 
+/// Both columns whose height was measured, by the method with fewer steps: the GPU here may be a driver on the processor.
+#[test]
+fn fronts_and_heights_on_the_gpu_are_near_the_experiments() -> Result<(), LabError> {
+    for experiment in DamBreakExperiment::ALL {
+        assert_near_the_experiment(&run(experiment, Method::DivergenceFree, Backend::Gpu)?);
+    }
+    Ok(())
+}
+
 /// Particles part ways chaotically; the front is a mean over the last half per cent of them and does not.
 #[test]
 fn both_backends_have_the_same_front() -> Result<(), LabError> {
@@ -55,11 +64,9 @@ fn both_backends_have_the_same_front() -> Result<(), LabError> {
         let other = gpu.front.at(time).or(gpu.front.samples().last().map(|last| last.1)).unwrap_or(f64::NAN);
         assert!((other / front - 1.0).abs() < 0.02, "T = {time:.2}: cpu {front:.4}, gpu {other:.4}");
     }
-    // The median of the highest layer: it falls from one particle to another, at most half a spacing apart.
-    let half_a_spacing = 0.5 / f64::from(RESOLUTION);
     for &(time, height) in cpu.height.samples() {
         let other = gpu.height.at(time).or(gpu.height.samples().last().map(|last| last.1)).unwrap_or(f64::NAN);
-        assert!((other - height).abs() < half_a_spacing, "T = {time:.2}: cpu {height:.4}, gpu {other:.4}");
+        assert!((other - height).abs() < 0.02, "T = {time:.2}: cpu {height:.4}, gpu {other:.4}");
     }
     Ok(())
 }

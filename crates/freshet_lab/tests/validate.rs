@@ -61,3 +61,9 @@ fn water_at_rest_has_the_pressure_of_its_depth() -> Result<(), LabError> {
     assert_passes("hydrostatic", Backend::Cpu)?;
     assert_passes("hydrostatic-dfsph", Backend::Cpu)
 }
+
+#[test]
+fn ten_metres_of_water_are_hardly_compressed() -> Result<(), LabError> {
+    assert_passes("deep-column", Backend::Cpu)?;
+    assert_passes("deep-column-dfsph", Backend::Cpu)
+}

@@ -5,12 +5,13 @@ use freshet_core::geometry::MAX_HEIGHTS;
 use freshet_core::scene::{BoundaryShape, FluidSide};
 
 use super::boundary_mesh::FluidMesh;
+use super::wall::{FluidFriction, FluidWallMotion};
 
-/// A surface fluid does not pass, and that does not move by itself.
+/// A surface fluid does not pass.
 ///
 /// [`Transform`] is its centre and orientation. Its scale must be 1, but that of a mesh and of a convex hull may be anything but
-/// zero, also by its parents: it is the mesh that is drawn. It may change, move (which samples it anew, so not
-/// every tick) and be despawned. It is no collider: give it one beside it.
+/// zero, also by its parents: it is the mesh that is drawn. It may change, move and turn ([`motion`](Self::motion)) and be despawned. It
+/// is no collider: give it one beside it.
 ///
 /// A mesh or image may load later. Until it has, the domain waits: its fluid stands still, bodies do not feel it, nothing is lost, and
 /// [`FluidStats::waiting_for`](super::stats::FluidStats::waiting_for) names the boundary. One that fails to load, or is of no use,
@@ -34,8 +35,17 @@ pub struct FluidBoundary {
     /// Its shape.
     pub shape: FluidBoundaryShape,
     /// Faces that drag the fluid along: -x, +x, -y, +y, -z, +z; of a plane and a half-space +y counts. Along the others it
-    /// slips freely. Shapes without these faces are viscous everywhere if any is true.
+    /// slips freely. Shapes without these faces are viscous everywhere if any is true. Along a wall that moves it slips.
     pub viscous_faces: [bool; 6],
+    /// Coulomb's friction, on all of its surface; none by default, and none of one that moves or has a
+    /// [`velocity`](Self::velocity).
+    pub friction: FluidFriction,
+    /// Velocity of the surface along every viscous face, m/s, up to 1e4, in the boundary's own axes: it stays where it is and moves as a belt
+    /// does. Only with a [viscosity model](super::settings::FluidSettings::viscosity_model), without which nothing would feel it; zero for
+    /// viscous shapes without faces, and for one that moves.
+    pub velocity: Vec3,
+    /// What follows from a [`Transform`] that changes.
+    pub motion: FluidWallMotion,
 }
 
 /// Shape of a [`FluidBoundary`].
@@ -225,7 +235,49 @@ impl FluidBoundaryShape {
 impl FluidBoundary {
     /// A shape all of whose faces drag the fluid along.
     pub fn new(shape: FluidBoundaryShape) -> Self {
-        Self { shape, viscous_faces: [true; 6] }
+        let (friction, motion) = (FluidFriction::default(), FluidWallMotion::default());
+        Self { shape, viscous_faces: [true; 6], friction, velocity: Vec3::ZERO, motion }
+    }
+
+    /// The same with friction, see [`friction`](Self::friction).
+    ///
+    /// ```
+    /// # use bevy_freshet::prelude::*;
+    /// let slope = FluidBoundary::cuboid(2.0, 0.2, 1.0).with_friction(FluidFriction::coulomb(0.5));
+    /// ```
+    #[must_use]
+    pub fn with_friction(self, friction: FluidFriction) -> Self {
+        Self { friction, ..self }
+    }
+
+    /// The same as a belt, see [`velocity`](Self::velocity).
+    #[must_use]
+    pub fn with_velocity(self, velocity: Vec3) -> Self {
+        Self { velocity, ..self }
+    }
+
+    /// The same as a wall that moves from the start: nothing is planned anew when it begins to.
+    ///
+    /// ```
+    /// # use bevy::prelude::*;
+    /// # use bevy_freshet::prelude::*;
+    /// #[derive(Component)]
+    /// struct Paddle;
+    ///
+    /// fn spawn_paddle(mut commands: Commands) {
+    ///     commands.spawn((Paddle, FluidBoundary::cuboid(0.7, 0.05, 0.4).moving(), Transform::from_xyz(0.5, 0.4, 0.5)));
+    /// }
+    ///
+    /// /// In `FixedUpdate`, before `FreshetSystems::Plan`.
+    /// fn turn_paddle(time: Res<Time>, mut paddles: Query<&mut Transform, With<Paddle>>) {
+    ///     for mut pose in &mut paddles {
+    ///         pose.rotate_z(2.0 * time.delta_secs());
+    ///     }
+    /// }
+    /// ```
+    #[must_use]
+    pub fn moving(self) -> Self {
+        Self { motion: FluidWallMotion::Moving, ..self }
     }
 
     /// A solid box of these edge lengths, m.

@@ -29,6 +29,9 @@ pub struct FluidDomain {
     pub budget_milliseconds: Option<f32>,
     /// Most substeps of one tick, 1 to 100,000; what is left of the tick is carried to the next.
     pub max_substeps: u32,
+    /// Whether [`FluidStats::leaks`] counts what goes through walls. Each tick then waits for the fluid and reads all particles,
+    /// so it is for tests and for finding out which wall is too thin.
+    pub count_leaks: bool,
     /// How the fluid is simulated.
     pub settings: FluidSettings,
 }
@@ -44,6 +47,7 @@ impl FluidDomain {
             max_particles: None,
             budget_milliseconds: None,
             max_substeps: 10_000,
+            count_leaks: false,
             settings: FluidSettings::default(),
         }
     }

@@ -12,7 +12,8 @@ pub struct Fluid {
     pub name: String,
     /// Density without pressure, kg/m3, 0.001 to 50,000.
     pub rest_density: f32,
-    /// Dynamic viscosity, Pa s, 0 to 1e6. Kept for the viscosity models to come; until then it changes nothing.
+    /// Dynamic viscosity, Pa s, 0 to 1e6. It acts as the [viscosity model](super::settings::FluidSettings::viscosity_model) says, and
+    /// not at all without one.
     pub dynamic_viscosity: f32,
 }
 

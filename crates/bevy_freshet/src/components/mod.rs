@@ -14,3 +14,4 @@ pub mod scene;
 pub mod settings;
 pub mod stats;
 pub mod volume;
+pub mod wall;

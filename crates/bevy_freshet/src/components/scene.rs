@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use freshet_core::error::InvalidInput;
 use freshet_core::kernel::support_radius_for_neighbours;
-use freshet_core::scene::{BoundaryShape, FluidScene, Friction, Resolution, Shape, Support, Volume};
+use freshet_core::scene::{BoundaryShape, FluidScene, Resolution, Shape, Support, Volume};
 
 use super::boundary::{FluidBoundary, FluidBoundaryShape};
 use super::container::FluidContainer;
@@ -21,7 +21,7 @@ pub trait FluidSceneCommands {
     ///
     /// # Errors
     /// A value out of range, or bodies: those of a scene are samples without mass; spawn rapier bodies with
-    /// [`FluidBody`](super::body::FluidBody) instead. What components do not have: friction and velocities of walls, periods.
+    /// [`FluidBody`](super::body::FluidBody) instead. What components do not have: periods.
     fn spawn_fluid_scene(
         &mut self,
         scene: &FluidScene,
@@ -81,12 +81,15 @@ impl FluidSceneCommands for Commands<'_, '_> {
         }
         for boundary in &scene.boundaries {
             let pose = Transform::from_translation(boundary.center).with_rotation(boundary.rotation);
-            let viscous_faces = boundary.viscous_faces;
+            let (viscous_faces, friction) = (boundary.viscous_faces, boundary.friction.into());
+            let velocity = boundary.rotation.inverse() * boundary.velocity;
             let mut entity = self.spawn((pose, member()));
             if let BoundaryShape::Container { half_extents, open } = boundary.shape {
-                entity.insert(FluidContainer { size: 2.0 * half_extents, open, viscous_faces, collider: true });
+                let Vec3 { x, y, z } = 2.0 * half_extents;
+                let container = FluidContainer::closed_box(x, y, z);
+                entity.insert(FluidContainer { open, viscous_faces, friction, velocity, ..container });
             } else if let Some(shape) = FluidBoundaryShape::from_model(&boundary.shape) {
-                entity.insert(FluidBoundary { shape, viscous_faces });
+                entity.insert(FluidBoundary { viscous_faces, friction, velocity, ..FluidBoundary::new(shape) });
             }
         }
         Ok(domain)
@@ -98,40 +101,23 @@ fn check_components(scene: &FluidScene) -> Result<(), InvalidInput> {
     if scene.periodic.any() {
         return Err(InvalidInput::new("periodic", format_args!("{:?}", scene.periodic), "none, in an app"));
     }
-    for (index, boundary) in scene.boundaries.iter().enumerate() {
-        if boundary.velocity != Vec3::ZERO {
-            let field = format!("boundaries[{index}].velocity");
-            return Err(InvalidInput::new(field, boundary.velocity, "zero, in an app"));
-        }
-        if boundary.friction != Friction::default() {
-            let field = format!("boundaries[{index}].friction");
-            return Err(InvalidInput::new(field, format_args!("{:?}", boundary.friction), "none, in an app"));
-        }
-    }
     Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use freshet_core::periodic::Periodic;
-    use freshet_core::scene::Boundary;
+    use freshet_core::scene::{Boundary, Friction};
 
     use super::*;
 
     #[test]
     fn what_no_component_has_is_refused_by_name() {
-        let wall = || Boundary::open_box(Vec3::ONE, Vec3::ZERO);
-        let plain = FluidScene { boundaries: vec![wall()], ..FluidScene::with_spacing(0.1) };
+        let wall = Boundary::open_box(Vec3::ONE, Vec3::ZERO).with_friction(Friction::coulomb(0.5));
+        let plain = FluidScene { boundaries: vec![wall], ..FluidScene::with_spacing(0.1) };
         assert!(check_components(&plain).is_ok());
-        let moving = FluidScene { boundaries: vec![wall(), wall().with_velocity(Vec3::X)], ..plain.clone() };
-        let rough = Boundary { friction: Friction::coulomb(0.5), ..wall() };
-        let rough = FluidScene { boundaries: vec![rough], ..plain.clone() };
         let endless = FluidScene { periodic: Periodic { x: Some((0.0, 1.0)), ..Periodic::default() }, ..plain };
-        for (scene, field) in
-            [(moving, "boundaries[1].velocity"), (rough, "boundaries[0].friction"), (endless, "periodic")]
-        {
-            let error = check_components(&scene).map_err(|error| error.to_string());
-            assert!(error.as_ref().is_err_and(|text| text.contains(field)), "{error:?}");
-        }
+        let error = check_components(&endless).map_err(|error| error.to_string());
+        assert!(error.as_ref().is_err_and(|text| text.contains("periodic")), "{error:?}");
     }
 }

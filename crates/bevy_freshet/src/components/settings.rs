@@ -6,6 +6,7 @@ use freshet_core::kernel::KernelKind;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::relaxation::Relaxation;
 use freshet_core::scene::{Settings, Support};
+use freshet_core::viscosity::ViscosityModel;
 
 /// How a fluid is simulated. The defaults are those of every chart and benchmark of Freshet.
 #[derive(Clone, Debug, PartialEq, Reflect)]
@@ -33,14 +34,20 @@ pub struct FluidSettings {
     pub near_pressure: f32,
     /// XSPH's epsilon, 0 to 1: see [`Settings::xsph`].
     pub xsph: f32,
+    /// Widest support of a particle over the reach of the kernel, 1 to 3; 1 gives all the same: see [`Settings::widest_support`].
+    pub widest_support: f32,
     /// Lets particles settle before the start; not with bodies. See [`Settings::relaxation`].
     pub relaxation: Option<FluidRelaxation>,
+    /// How the fluid's [`dynamic_viscosity`](super::material::Fluid::dynamic_viscosity) acts, beside the artificial one; none leaves it out.
+    pub viscosity_model: Option<FluidViscosityModel>,
     /// Substep over `h / (c + v)`, of an incompressible fluid over `d / v`, 0.01 to 1; `h` is half the reach of the kernel.
     pub courant_factor: f32,
     /// Substep over `sqrt(h / a)`, 0.01 to 1; an incompressible fluid does not need it.
     pub force_factor: f32,
     /// Substep over `h^2 / nu`, 0.01 to 1.
     pub viscous_factor: f32,
+    /// Whether a substep that turns out too long is made again in shorter ones: see [`Settings::redo_substeps`]. On the CPU only.
+    pub redo_substeps: bool,
     /// Where particles may be, lower and upper corner in the domain's frame, m; those that leave are removed, and volumes must
     /// lie inside. None: four times the size of fluid and walls around them.
     pub bounds: Option<(Vec3, Vec3)>,
@@ -67,10 +74,13 @@ impl FluidSettings {
             artificial_viscosity: settings.artificial_viscosity,
             near_pressure: settings.near_pressure,
             xsph: settings.xsph,
+            widest_support: settings.widest_support,
             relaxation: settings.relaxation.map(Into::into),
+            viscosity_model: settings.viscosity_model.map(Into::into),
             courant_factor: settings.courant_factor,
             force_factor: settings.force_factor,
             viscous_factor: settings.viscous_factor,
+            redo_substeps: settings.redo_substeps,
             bounds: settings.bounds,
         }
     }
@@ -89,10 +99,13 @@ impl FluidSettings {
             artificial_viscosity: self.artificial_viscosity,
             near_pressure: self.near_pressure,
             xsph: self.xsph,
+            widest_support: self.widest_support,
             relaxation: self.relaxation.map(Into::into),
+            viscosity_model: self.viscosity_model.map(Into::into),
             courant_factor: self.courant_factor,
             force_factor: self.force_factor,
             viscous_factor: self.viscous_factor,
+            redo_substeps: self.redo_substeps,
             bounds: self.bounds,
             ..Settings::default()
         }
@@ -126,6 +139,30 @@ impl From<FluidRelaxation> for Relaxation {
 impl From<Relaxation> for FluidRelaxation {
     fn from(Relaxation { calm, max_substeps, under_gravity }: Relaxation) -> Self {
         Self { calm, max_substeps, under_gravity }
+    }
+}
+
+/// How a fluid's dynamic viscosity acts; formulas and sources stand at [`ViscosityModel`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Clone, Debug, PartialEq)]
+pub enum FluidViscosityModel {
+    /// Morris, Fox & Zhu 1997. Fluid sticks to viscous faces of walls.
+    Morris1997,
+}
+
+impl From<FluidViscosityModel> for ViscosityModel {
+    fn from(model: FluidViscosityModel) -> Self {
+        match model {
+            FluidViscosityModel::Morris1997 => Self::Morris1997,
+        }
+    }
+}
+
+impl From<ViscosityModel> for FluidViscosityModel {
+    fn from(model: ViscosityModel) -> Self {
+        match model {
+            ViscosityModel::Morris1997 => Self::Morris1997,
+        }
     }
 }
 

@@ -40,8 +40,13 @@ pub struct FluidStats {
     pub iterations: [u32; 2],
     /// Pressure solves so far that ended at their most iterations.
     pub unsolved: u64,
+    /// Substeps so far that turned out too long and were made again: see [`Settings::redo_substeps`](freshet_core::scene::Settings::redo_substeps).
+    pub redone: u64,
     /// Particles removed so far because they left the bounds or were not finite.
     pub removed: u64,
+    /// Particles so far that went through a wall, each once; none unless [`FluidDomain::count_leaks`](super::domain::FluidDomain::count_leaks) is
+    /// set. What counts stands at [`leaks`](freshet_core::leaks). Ticks that fall behind are left out where walls move.
+    pub leaks: Option<u64>,
     /// Particles retired so far because their lifetime was over or they were told to.
     pub retired: u64,
     /// Particles not made so far because the capacity was reached.
@@ -55,6 +60,8 @@ pub struct FluidStats {
     pub milliseconds: f32,
     /// Cost of each pass in the tick, where it was measured.
     pub passes: Vec<FluidPassTime>,
+    /// How often the domain has been planned so far: at the start, and whenever walls, bodies, volumes or settings change.
+    pub plannings: u64,
     /// What the plan decided or warns of, such as a sound speed below ten times the expected speed.
     pub notes: Vec<String>,
 }

@@ -3,9 +3,11 @@
 use bevy::prelude::*;
 use freshet_core::error::InvalidInput;
 use freshet_core::plan::{Plan, SceneError};
-use freshet_core::scene::FluidScene;
+use freshet_core::sampling::wall_layer::WallLayer;
+use freshet_core::scene::{Body, FluidScene};
 
 use super::gather::Sources;
+use super::movers::MoverBodies;
 use super::problems::Problem;
 use super::recipe::Recipe;
 use super::state::DomainState;
@@ -22,8 +24,18 @@ pub(crate) fn plan_without_the_wrong(
         let mut scene = recipe.scene();
         scene.bodies =
             recipe.bodies.iter().filter_map(|(entity, _)| Some(sources.body(*entity)?.body.clone())).collect();
+        let wrong = add_movers(&mut scene, recipe, &mut state.mover_bodies);
+        if !wrong.is_empty() {
+            state.problems.extend(wrong);
+            continue;
+        }
+        let bodies = scene.bodies.len() - recipe.movers.len();
         let error = match plan(scene, state.plan.as_ref()) {
-            Ok(plan) => return Some(plan),
+            Ok(mut plan) => {
+                state.mover_bodies.keep(&recipe.movers);
+                give_room_to_movers(&mut plan, recipe, &mut state.mover_bodies);
+                return Some(plan);
+            }
             Err(error) => error,
         };
         let (culprit, message) = explain(&error, recipe);
@@ -43,6 +55,10 @@ pub(crate) fn plan_without_the_wrong(
             Some(("bodies", index)) if index < recipe.bodies.len() => {
                 Problem::new(recipe.bodies.remove(index).0, "FluidBody", message)
             }
+            Some(("bodies", index)) if (bodies..bodies + recipe.movers.len()).contains(&index) => {
+                let mover = recipe.movers.remove(index - bodies);
+                Problem::new(mover.entity, mover.component, message)
+            }
             _ => {
                 state.problems.push(Problem::new(domain, "FluidDomain", message));
                 return None;
@@ -55,8 +71,48 @@ pub(crate) fn plan_without_the_wrong(
     }
 }
 
+/// Adds walls that move to a scene's bodies. What is wrong with one takes it out of the recipe, and is returned.
+fn add_movers(scene: &mut FluidScene, recipe: &mut Recipe, bodies: &mut MoverBodies) -> Vec<Problem> {
+    // What is wrong with the scene is said by the planning, without them.
+    let Ok(layer) = scene.wall_layer() else {
+        scene.bodies.extend(recipe.movers.iter().map(|_| Body::default()));
+        return Vec::new();
+    };
+    let mut wrong = Vec::new();
+    recipe.movers.retain(|mover| match bodies.body(mover, &layer) {
+        Ok(body) => {
+            scene.bodies.push(body);
+            true
+        }
+        Err(error) => {
+            let error = InvalidInput { field: in_words(&error.field, mover.component), ..error };
+            wrong.push(Problem::new(mover.entity, mover.component, error));
+            false
+        }
+    });
+    wrong
+}
+
+/// The bounds are around walls that move, too, unless they are given: where a plan's bodies are is not known to it.
+fn give_room_to_movers(plan: &mut Plan, recipe: &Recipe, bodies: &mut MoverBodies) {
+    let layer = plan.parameters.kernel().ok().map(|kernel| WallLayer::new(&kernel, plan.parameters.spacing));
+    let (None, Some(layer)) = (recipe.settings.bounds, layer) else { return };
+    for mover in &recipe.movers {
+        let Ok(body) = bodies.body(mover, &layer) else { continue };
+        let (low, high) = mover.extent(&body);
+        // As a plan does for fluid and walls.
+        let reach = 4.0 * (high - low).length();
+        plan.parameters.bounds_min = plan.parameters.bounds_min.min(low - reach);
+        plan.parameters.bounds_max = plan.parameters.bounds_max.max(high + reach);
+    }
+}
+
 /// Plans a scene that holds new fluid only, beside the fluid of the plan before.
 fn plan(mut scene: FluidScene, before: Option<&Plan>) -> Result<Plan, SceneError> {
+    if before.is_some() && !scene.bodies.is_empty() {
+        // Fluid that runs has settled; without this a wall could not begin to move.
+        scene.settings.relaxation = None;
+    }
     let plan = Plan::new(&scene)?;
     if let Some(before) = before
         && scene.settings.expected_speed.is_none()
@@ -74,13 +130,12 @@ fn explain(error: &SceneError, recipe: &Recipe) -> (Option<(&'static str, usize)
     match error {
         SceneError::Invalid(invalid) => {
             let (culprit, field) = locate(&invalid.field);
+            let component = match culprit {
+                Some(("boundaries", index)) => recipe.walls.get(index).map_or("", |wall| wall.component),
+                _ => "",
+            };
             let field = match (culprit, field.as_str()) {
-                (Some(("boundaries", index)), "shape.half_extents")
-                    if recipe.walls.get(index).is_some_and(|wall| wall.component == "FluidContainer") =>
-                {
-                    "half of the size".to_owned()
-                }
-                (Some(_), "shape.half_extents") => "shape.half_size".to_owned(),
+                (Some(_), size) if size.starts_with("shape.half_extents") => in_words(size, component),
                 (_, "resolution") => "spacing".to_owned(),
                 (_, "settings.max_substeps" | "settings.budget_milliseconds" | "settings.max_particles") => {
                     field.replacen("settings.", "", 1)
@@ -98,6 +153,12 @@ fn explain(error: &SceneError, recipe: &Recipe) -> (Option<(&'static str, usize)
         }
         other => (None, other.to_string()),
     }
+}
+
+/// A field of the model in the words of a component.
+fn in_words(field: &str, component: &str) -> String {
+    let size = if component == "FluidContainer" { "half of the size" } else { "shape.half_size" };
+    field.replacen("shape.half_extents", size, 1)
 }
 
 /// `volumes[2].shape.radius` is at `("volumes", 2)`, and its field there is `shape.radius`.

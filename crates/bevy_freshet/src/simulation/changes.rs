@@ -36,8 +36,8 @@ pub(crate) struct Stamps<'w, 's> {
 }
 
 impl Stamps<'_, '_> {
-    /// Adds the stamps of this moment.
-    fn collect(&self, stamps: &mut Vec<Stamp>) {
+    /// Adds the stamps of this moment. Where bodies and walls that move are is not in a recipe.
+    fn collect(&self, stamps: &mut Vec<Stamp>, moves: impl Fn(Entity) -> bool) {
         for (entity, domain) in &self.domains {
             stamps.push((entity, [at(&domain), None, None, None]));
             self.collect_poses(entity, stamps);
@@ -52,13 +52,16 @@ impl Stamps<'_, '_> {
         }
         for (entity, container, member) in &self.containers {
             stamps.push((entity, [at(&container), maybe_at(&member), None, None]));
-            self.collect_poses(entity, stamps);
+            if !moves(entity) {
+                self.collect_poses(entity, stamps);
+            }
         }
         for (entity, boundary, member) in &self.boundaries {
             stamps.push((entity, [at(&boundary), maybe_at(&member), None, None]));
-            self.collect_poses(entity, stamps);
+            if !moves(entity) {
+                self.collect_poses(entity, stamps);
+            }
         }
-        // Where bodies are is not in a recipe.
         for (entity, samples, member) in &self.bodies {
             stamps.push((entity, [at(&samples), maybe_at(&member), None, None]));
         }
@@ -95,12 +98,13 @@ pub(crate) fn is_anything_touched(
 ) -> bool {
     std::mem::swap(&mut *before, &mut *now);
     now.clear();
-    stamps.collect(&mut now);
+    stamps
+        .collect(&mut now, |entity| states.iter().any(|state| state.movers.iter().any(|mover| mover.entity == entity)));
     *before != *now
         || gravity.is_changed()
         || hardware.is_changed()
         || shapes.has_news()
-        || states.iter().any(|state| state.has_unsaid_problems)
+        || states.iter().any(|state| state.has_unsaid_problems || state.asks_for_planning)
 }
 
 #[cfg(test)]
@@ -113,6 +117,7 @@ mod tests {
     use super::*;
     use crate::components::boundary_mesh::FluidMesh;
     use crate::components::stats::FluidStats;
+    use crate::components::wall::FluidWallMotion;
 
     /// A tank of water as a server has it, and a wall whose parent is `parent`.
     struct Scene {
@@ -142,7 +147,7 @@ mod tests {
                 world.spawn((FluidVolume::from(Cuboid::new(0.3, 0.3, 0.5)), Transform::from_xyz(0.15, 0.15, 0.25)));
             let water = water.id();
             let parent = world.spawn(Transform::from_xyz(0.8, 0.0, 0.25)).id();
-            let wall = world.spawn((FluidBoundary::cuboid(0.1, 0.5, 0.5), ChildOf(parent))).id();
+            let wall = world.spawn((still(FluidBoundary::cuboid(0.1, 0.5, 0.5)), ChildOf(parent))).id();
             let mut scene = Self { app, domain, parent, wall, water };
             assert!(scene.plannings(4) > 0);
             scene
@@ -181,6 +186,11 @@ mod tests {
         }
     }
 
+    /// One that is planned anew whenever it changes.
+    fn still(boundary: FluidBoundary) -> FluidBoundary {
+        FluidBoundary { motion: FluidWallMotion::Still, ..boundary }
+    }
+
     /// A box somewhat off the tank's walls.
     fn block() -> Mesh {
         Cuboid::new(0.1, 0.5, 0.3).into()
@@ -197,17 +207,17 @@ mod tests {
         let other = add(&mut scene, block());
         let wall = scene.wall;
         let at = Transform::from_xyz(0.0, 0.3, 0.0);
-        scene.app.world_mut().entity_mut(wall).insert((FluidBoundary::mesh(mesh.clone()), at));
+        scene.app.world_mut().entity_mut(wall).insert((still(FluidBoundary::mesh(mesh.clone())), at));
         assert_eq!(scene.plannings(1), 1);
         // It was made before its event came, and is looked at once more then.
         scene.plannings(4);
         let begin = scene.conversions();
         assert!((1..=2).contains(&begin), "{begin}");
-        let still = |scene: &mut Scene| assert_eq!(scene.plannings(4), 0);
-        still(&mut scene);
+        let is_still = |scene: &mut Scene| assert_eq!(scene.plannings(4), 0);
+        is_still(&mut scene);
         scene.app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&other).unwrap().translate_by(Vec3::X);
         add(&mut scene, block());
-        still(&mut scene);
+        is_still(&mut scene);
         assert_eq!(scene.conversions(), begin);
 
         // Something else is touched; the wall moves; others are made of the same mesh.
@@ -229,7 +239,7 @@ mod tests {
         });
         assert_eq!(scene.conversions(), begin + 1);
         scene.is_planned_after("a hull", |world, [_, _, wall, _]| {
-            world.entity_mut(*wall).insert((FluidBoundary::convex_hull(mesh.clone()), at));
+            world.entity_mut(*wall).insert((still(FluidBoundary::convex_hull(mesh.clone())), at));
         });
         assert_eq!(scene.conversions(), begin + 2);
 
@@ -238,29 +248,29 @@ mod tests {
         assert!(scene.plannings(2) > 0, "a mesh that changes goes unnoticed");
         scene.plannings(2);
         assert_eq!(scene.conversions(), begin + 4);
-        still(&mut scene);
+        is_still(&mut scene);
 
         // One that is not there yet: the domain is not planned while it waits, and is when it comes.
         let domain = scene.domain;
         let stats = |scene: &Scene| scene.app.world().get::<FluidStats>(domain).unwrap().clone();
         let late = scene.app.world_mut().resource_mut::<Assets<Mesh>>().reserve_handle();
         scene.is_planned_after("a wall that is not there yet", |world, [_, _, wall, _]| {
-            world.entity_mut(*wall).insert(FluidBoundary::mesh(late.clone()));
+            world.entity_mut(*wall).insert(still(FluidBoundary::mesh(late.clone())));
         });
         let waiting = stats(&scene);
         assert_eq!(waiting.waiting_for, [wall]);
-        still(&mut scene);
+        is_still(&mut scene);
         assert_eq!((stats(&scene).ticks, scene.conversions()), (waiting.ticks, begin + 4));
         scene.app.world_mut().resource_mut::<Assets<Mesh>>().insert(&late, block()).unwrap();
         assert!(scene.plannings(2) > 0, "a mesh that comes goes unnoticed");
-        still(&mut scene);
+        is_still(&mut scene);
         assert!(stats(&scene).waiting_for.is_empty() && stats(&scene).ticks > waiting.ticks);
         assert_eq!(scene.conversions(), begin + 5);
 
         // What has gone leaves the wall.
         scene.app.world_mut().resource_mut::<Assets<Mesh>>().remove(&mesh);
         scene.app.world_mut().resource_mut::<Assets<Mesh>>().remove(&late);
-        still(&mut scene);
+        is_still(&mut scene);
         scene.is_planned_after("another setting", |world, [domain, ..]| {
             world.get_mut::<FluidDomain>(*domain).unwrap().max_substeps = 400;
         });
@@ -285,7 +295,7 @@ mod tests {
             FluidBoundary::height_field(Vec2::ONE, UVec2::splat(2), vec![0.0, 0.1, 0.1, 0.2]),
         ]) {
             scene.is_planned_after("another wall", |world, [_, _, wall, _]| {
-                world.entity_mut(*wall).insert((boundary, Transform::from_xyz(-0.2, 0.0, 0.0)));
+                world.entity_mut(*wall).insert((still(boundary), Transform::from_xyz(-0.2, 0.0, 0.0)));
             });
             assert_eq!(scene.conversions(), count);
             scene.is_planned_after("another gravity", |world, _| {
@@ -319,6 +329,48 @@ mod tests {
     }
 
     #[test]
+    fn walls_that_move_are_not_planned_while_they_do() {
+        let mut scene = Scene::new();
+        let plans = |scene: &Scene| scene.app.world().get::<FluidStats>(scene.domain).unwrap().plannings;
+        assert_eq!(plans(&scene), 1);
+        let (parent, wall) = (scene.parent, scene.wall);
+        let shift = |scene: &mut Scene, entity: Entity| {
+            scene.app.world_mut().get_mut::<Transform>(entity).unwrap().translation.x += 0.01;
+        };
+        // From the start.
+        scene.is_planned_after("a wall that is to move", |world, [_, _, wall, _]| {
+            world.get_mut::<FluidBoundary>(*wall).unwrap().motion = FluidWallMotion::Moving;
+        });
+        assert_eq!(plans(&scene), 2);
+        for entity in [wall, parent, wall, parent] {
+            shift(&mut scene, entity);
+            assert_eq!(scene.plannings(1), 0);
+        }
+        // With the first move, of its parent too; what is put elsewhere each time; and again from the beginning.
+        scene.is_planned_after("a wall that stands", |world, [_, _, wall, _]| {
+            world.get_mut::<FluidBoundary>(*wall).unwrap().motion = FluidWallMotion::Still;
+        });
+        scene.is_planned_after("a wall that may move", |world, [_, _, wall, _]| {
+            world.get_mut::<FluidBoundary>(*wall).unwrap().motion = FluidWallMotion::Auto;
+        });
+        assert_eq!(plans(&scene), 3, "one that stands is the same");
+        shift(&mut scene, parent);
+        scene.plannings(3);
+        for entity in [wall, parent, wall, parent] {
+            shift(&mut scene, entity);
+            assert_eq!(scene.plannings(1), 0);
+        }
+        assert_eq!(plans(&scene), 4);
+        // A scale it may not have takes it out of the fluid, until it is as before.
+        for scale in [2.0, 1.0] {
+            scene.app.world_mut().get_mut::<Transform>(wall).unwrap().scale = Vec3::splat(scale);
+            assert!(scene.plannings(3) > 0, "a scale goes unnoticed");
+            assert_eq!(scene.problems().len(), usize::from(scale > 1.0));
+        }
+        assert_eq!(plans(&scene), 6);
+    }
+
+    #[test]
     fn whatever_is_touched_is_planned_in_the_next_tick() {
         let mut scene = Scene::new();
         scene.is_planned_after("a wall that moves", |world, [_, _, wall, _]| {
@@ -331,7 +383,7 @@ mod tests {
             world.entity_mut(*wall).remove::<ChildOf>();
         });
         scene.is_planned_after("a wall of another shape", |world, [_, _, wall, _]| {
-            world.entity_mut(*wall).insert(FluidBoundary::cuboid(0.1, 0.4, 0.5));
+            world.entity_mut(*wall).insert(still(FluidBoundary::cuboid(0.1, 0.4, 0.5)));
         });
         scene.is_planned_after("a wall that joins a domain", |world, [domain, _, wall, _]| {
             world.entity_mut(*wall).insert(FluidInDomain(*domain));

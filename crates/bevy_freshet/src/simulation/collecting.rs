@@ -91,6 +91,7 @@ fn take_report(
     stats.max_speed = report.max_speed;
     stats.iterations = [report.divergence_iterations, report.density_iterations];
     stats.unsolved += u64::from(report.unsolved);
+    stats.redone += u64::from(report.redone);
     stats.removed += u64::from(report.removed);
     stats.retired += u64::from(report.retired);
     stats.refused += u64::from(report.refused);

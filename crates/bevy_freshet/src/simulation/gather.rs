@@ -1,11 +1,15 @@
 //! Reads the components of one domain.
 
+use std::collections::HashSet;
+
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use freshet_core::emitter::Emitter;
+use freshet_core::error::InvalidInput;
 use freshet_core::material::Material;
-use freshet_core::scene::{Boundary, BoundaryShape, Shape, Volume};
+use freshet_core::scene::{Boundary, BoundaryShape, Friction, Shape, Volume};
 
+use super::movers::Mover;
 use super::pours::Poured;
 use super::problems::Problem;
 use super::recipe::{FreshVolume, Recipe, Source, Wall};
@@ -19,6 +23,7 @@ use crate::components::emitter::FluidEmitter;
 use crate::components::material::Fluid;
 use crate::components::membership::FluidInDomain;
 use crate::components::volume::{FluidShape, FluidVolume};
+use crate::components::wall::FluidWallMotion;
 
 /// Deviation of a scale from 1 that still counts as none; rounding in a hierarchy makes about 1e-6.
 const NO_SCALE: f32 = 1e-3;
@@ -86,12 +91,13 @@ impl Sources<'_, '_> {
         settings: &FluidDomain,
         (frame, gravity): (Isometry3d, Vec3),
         (only, all): (bool, bool),
+        motions: &mut Motions,
         shapes: &mut WallShapes,
         problems: &mut Vec<Problem>,
     ) -> Recipe {
         let belongs = |member: Option<&FluidInDomain>| member.map_or(only, |member| member.0 == domain);
         let to_domain = frame.inverse();
-        let mut gather = Gather { sources: self, to_domain, material: None, problems };
+        let mut gather = Gather { sources: self, to_domain, material: None, motions, problems };
 
         let mut fresh = Vec::new();
         let mut volumes: Vec<_> = self.volumes.iter().filter(|item| belongs(item.3)).collect();
@@ -119,19 +125,21 @@ impl Sources<'_, '_> {
                 sources.push(Source { entity, emitter: to_emitter(emitter, pose) });
             }
         }
-        let (mut walls, mut waits_for) = (Vec::new(), Vec::new());
+        let (mut walls, mut waits_for) = (Walls::default(), Vec::new());
         for (entity, container, _) in self.containers.iter().filter(|item| belongs(item.2)) {
             let shape = BoundaryShape::Container { half_extents: container.size / 2.0, open: container.open };
-            gather.wall(entity, "FluidContainer", shape, container.viscous_faces, &mut walls);
+            gather.wall(entity, "FluidContainer", shape, &container.into(), &mut walls);
         }
         for (entity, boundary, _) in self.boundaries.iter().filter(|item| belongs(item.2)) {
             match boundary.shape.to_model() {
-                Some(shape) => gather.wall(entity, "FluidBoundary", shape, boundary.viscous_faces, &mut walls),
+                Some(shape) => gather.wall(entity, "FluidBoundary", shape, &Surface::from(&*boundary), &mut walls),
                 None => gather.made_wall(entity, &boundary, shapes, &mut walls, &mut waits_for),
             }
         }
         // Queries follow archetypes; sorted, the same scene is the same however it was put together.
-        walls.sort_by_key(|wall| wall.entity.index_u32());
+        let Walls { mut still, mut movers } = walls;
+        still.sort_by_key(|wall| wall.entity.index_u32());
+        movers.sort_by_key(|mover| mover.entity.index_u32());
         waits_for.sort_by_key(|entity| entity.index_u32());
         let mut bodies: Vec<_> = self
             .bodies
@@ -144,18 +152,79 @@ impl Sources<'_, '_> {
         let material = gather.material.map_or_else(Material::water, |(_, material)| material);
         let gravity = frame.rotation.inverse() * gravity;
         let (spacing, settings) = (settings.spacing, Recipe::settings(settings));
-        Recipe { spacing, settings, material, gravity, walls, sources, bodies, fresh, waits_for }
+        let walls = still;
+        Recipe { spacing, settings, material, gravity, walls, movers, sources, bodies, fresh, waits_for }
     }
 }
 
-struct Gather<'a, 'w, 's> {
+/// What a domain knows of how its walls move.
+pub(crate) struct Motions<'a> {
+    /// As last planned.
+    before: &'a [Wall],
+    moved: &'a mut HashSet<Entity>,
+}
+
+impl<'a> Motions<'a> {
+    /// Walls that have moved since the last planning count as moving.
+    pub(crate) fn new(before: Option<&'a Recipe>, moved: &'a mut HashSet<Entity>) -> Self {
+        Self { before: before.map_or(&[], |recipe| &recipe.walls), moved }
+    }
+
+    /// Whether a wall moves.
+    fn moves(&mut self, motion: FluidWallMotion, wall: &Wall) -> bool {
+        if motion == FluidWallMotion::Still {
+            self.moved.remove(&wall.entity);
+            return false;
+        }
+        if self.stood(wall).is_some_and(|before| wall.is_moved_from(before)) {
+            self.moved.insert(wall.entity);
+        }
+        motion == FluidWallMotion::Moving || self.moved.contains(&wall.entity)
+    }
+
+    /// The same wall as it stood in the last planning.
+    fn stood(&self, wall: &Wall) -> Option<&'a Wall> {
+        let is_same = |before: &&Wall| before.entity == wall.entity && before.boundary.shape == wall.boundary.shape;
+        self.before.iter().find(is_same)
+    }
+}
+
+/// What boundaries and containers have in common.
+struct Surface {
+    viscous_faces: [bool; 6],
+    friction: Friction,
+    /// In the wall's own axes.
+    velocity: Vec3,
+    motion: FluidWallMotion,
+}
+
+impl From<&FluidBoundary> for Surface {
+    fn from(&FluidBoundary { viscous_faces, friction, velocity, motion, .. }: &FluidBoundary) -> Self {
+        Self { viscous_faces, friction: friction.into(), velocity, motion }
+    }
+}
+
+impl From<&FluidContainer> for Surface {
+    fn from(&FluidContainer { viscous_faces, friction, velocity, motion, .. }: &FluidContainer) -> Self {
+        Self { viscous_faces, friction: friction.into(), velocity, motion }
+    }
+}
+
+#[derive(Default)]
+struct Walls {
+    still: Vec<Wall>,
+    movers: Vec<Mover>,
+}
+
+struct Gather<'a, 'w, 's, 'm> {
     sources: &'a Sources<'w, 's>,
     to_domain: Isometry3d,
     material: Option<(Entity, Material)>,
+    motions: &'a mut Motions<'m>,
     problems: &'a mut Vec<Problem>,
 }
 
-impl Gather<'_, '_, '_> {
+impl Gather<'_, '_, '_, '_> {
     fn pose(&mut self, entity: Entity, component: &'static str) -> Option<Isometry3d> {
         match rigid_frame(&self.sources.transforms, entity) {
             Ok(frame) => Some(self.to_domain * frame),
@@ -171,14 +240,45 @@ impl Gather<'_, '_, '_> {
         entity: Entity,
         component: &'static str,
         shape: BoundaryShape,
-        viscous_faces: [bool; 6],
-        walls: &mut Vec<Wall>,
+        surface: &Surface,
+        walls: &mut Walls,
     ) {
         if let Some(pose) = self.pose(entity, component) {
-            let (center, rotation) = (pose.translation.into(), pose.rotation);
-            let boundary = Boundary { rotation, viscous_faces, ..Boundary::new(shape, center) };
-            walls.push(Wall { entity, component, boundary });
+            self.place((entity, component), shape, surface, (pose, None), walls);
         }
+    }
+
+    /// Puts a wall among those that stand or among those that move.
+    fn place(
+        &mut self,
+        (entity, component): (Entity, &'static str),
+        shape: BoundaryShape,
+        &Surface { viscous_faces, friction, velocity, motion }: &Surface,
+        (pose, stretch): (Isometry3d, Option<Mat3>),
+        walls: &mut Walls,
+    ) {
+        let (center, rotation) = (pose.translation.into(), pose.rotation);
+        // A rotation would make not-a-number of infinity, and the message would be wrong.
+        let turned = if velocity.is_finite() { rotation * velocity } else { velocity };
+        let boundary = Boundary { rotation, viscous_faces, friction, velocity: turned, ..Boundary::new(shape, center) };
+        let wall = Wall { entity, component, boundary };
+        let mut complain = |error: InvalidInput| self.problems.push(Problem::new(entity, component, error));
+        if !self.motions.moves(motion, &wall) {
+            walls.still.push(wall);
+            return;
+        }
+        if friction != Friction::default() {
+            let allowed = "none of a wall that moves (motion: Still keeps it)";
+            complain(InvalidInput::new("friction", format_args!("{friction:?}"), allowed));
+        }
+        if velocity != Vec3::ZERO {
+            complain(InvalidInput::new("velocity", velocity, "zero of a wall that moves (motion: Still keeps it)"));
+        }
+        let from = self.motions.stood(&wall).map(|before| {
+            let Boundary { center, rotation, .. } = before.boundary;
+            Isometry3d::new(center, rotation)
+        });
+        walls.movers.push(Mover { entity, component, shape: wall.boundary.shape, stretch, pose, from });
     }
 
     /// A wall whose shape is made of a mesh, heights or an image.
@@ -187,25 +287,23 @@ impl Gather<'_, '_, '_> {
         entity: Entity,
         boundary: &Ref<FluidBoundary>,
         shapes: &mut WallShapes,
-        walls: &mut Vec<Wall>,
+        walls: &mut Walls,
         waits_for: &mut Vec<Entity>,
     ) {
         let transforms = &self.sources.transforms;
         let frame = match boundary.shape {
             FluidBoundaryShape::Mesh { .. } | FluidBoundaryShape::ConvexHull { .. } => {
-                stretched_frame(transforms, entity)
+                stretched_frame(transforms, entity).map(|(frame, stretch)| (frame, Some(stretch)))
             }
-            _ => rigid_frame(transforms, entity).map(|frame| (frame, Mat3::IDENTITY)),
+            _ => rigid_frame(transforms, entity).map(|frame| (frame, None)),
         };
         let found = frame.map(|(frame, stretch)| {
-            (self.to_domain * frame, shapes.find(entity, boundary, stretch, &self.sources.assets))
+            let made = shapes.find(entity, boundary, stretch.unwrap_or(Mat3::IDENTITY), &self.sources.assets);
+            ((self.to_domain * frame, stretch), made)
         });
         let wrong = match found {
             Ok((pose, Found::Shape(shape))) => {
-                let (center, rotation, viscous_faces) =
-                    (pose.translation.into(), pose.rotation, boundary.viscous_faces);
-                let boundary = Boundary { rotation, viscous_faces, ..Boundary::new(shape, center) };
-                walls.push(Wall { entity, component: "FluidBoundary", boundary });
+                self.place((entity, "FluidBoundary"), shape, &Surface::from(&**boundary), pose, walls);
                 return;
             }
             Ok((_, Found::Waits)) => {

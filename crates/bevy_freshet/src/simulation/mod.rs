@@ -1,13 +1,15 @@
 //! From components to a plan and a stream of ticks, in the app's fixed schedule.
 //!
 //! `changes` notices that components were touched, `gather` reads them, `walls` makes shapes of meshes, `recipe` is what they ask for, `planning` turns
-//! it into plans, `orders` into orders, `ticking` sends the ticks, `collecting` takes the results.
+//! it into plans, `orders` into orders, `movers` are walls that move, `ticking` sends the ticks, `collecting` takes the results, `leaks` counts.
 
 mod attempt;
 mod backend;
 mod changes;
 pub(crate) mod collecting;
 mod gather;
+mod leaks;
+mod movers;
 mod orders;
 mod planning;
 mod pours;
@@ -85,7 +87,9 @@ impl Plugin for FluidSimulationPlugin {
                         .chain()
                         .in_set(FreshetSystems::Plan),
                     collecting::collect_known.in_set(FreshetSystems::Collect),
-                    (ticking::send_ticks, reading::read_fields).chain().in_set(FreshetSystems::Step),
+                    (ticking::send_ticks, leaks::count_leaks, reading::read_fields)
+                        .chain()
+                        .in_set(FreshetSystems::Step),
                 ),
             );
         app.add_plugins(crate::gpu::GpuDriverPlugin);

@@ -2,12 +2,14 @@
 
 use bevy::prelude::*;
 use freshet_core::plan::{LeftOut, Plan};
+use freshet_core::sampling::wall_layer::WallLayer;
 use freshet_core::scene::MAX_PARTICLES;
 use freshet_core::snapshot::Snapshot;
 use freshet_core::step::Command;
 
 use super::backend::Hardware;
 use super::collecting::wait_for_all;
+use super::movers::{Mover, MovingWall};
 use super::problems::Problem;
 use super::recipe::Recipe;
 use super::room::Occupied;
@@ -26,6 +28,18 @@ pub(crate) fn carry_out(
     hardware: &Hardware,
 ) {
     state.body_entities = recipe.bodies.iter().map(|(entity, _)| *entity).collect();
+    let samples =
+        |index: usize| plan.bodies.get(state.body_entities.len() + index).map_or(&[][..], |body| &body.samples);
+    let movers = recipe.movers.iter().enumerate();
+    state.movers = movers.map(|(i, mover)| MovingWall::new(mover, samples(i), &state.movers)).collect();
+    let walls = recipe.walls.iter().map(|wall| wall.boundary.clone());
+    state.boundaries = walls.chain(recipe.movers.iter().map(Mover::boundary)).collect();
+    state.layer = plan.parameters.kernel().ok().map(|kernel| WallLayer::new(&kernel, plan.parameters.spacing));
+    if let (Some(watch), Some(layer)) = (&mut state.watch, &state.layer) {
+        watch.set_walls(layer, &state.boundaries);
+        let first = state.boundaries.len() - state.movers.len();
+        (first..).zip(&state.movers).for_each(|(index, mover)| mover.go_on(index, watch));
+    }
     state.emitters = recipe.sources.iter().map(|source| source.entity).collect();
     stats.notes.clone_from(&plan.notes);
     state.problems.extend(left_out(&plan, recipe));
@@ -136,7 +150,8 @@ fn keep_what_is_there(plan: &mut Plan, old: &Plan, recipe: &Recipe, (claimed, al
         plan.parameters.bounds_min = plan.parameters.bounds_min.min(old.parameters.bounds_min);
         plan.parameters.bounds_max = plan.parameters.bounds_max.max(old.parameters.bounds_max);
     }
-    if old.grid.cell_size == plan.grid.cell_size && old.grid.cells() > plan.grid.cells() {
+    let lengths = |plan: &Plan| (plan.grid.cell_size, plan.grid.support_radius);
+    if lengths(old) == lengths(plan) && old.grid.cells() > plan.grid.cells() {
         plan.grid = old.grid;
     }
     plan.lifetimes |= old.lifetimes;

@@ -6,7 +6,7 @@ use freshet_core::step::Command;
 use super::attempt::plan_without_the_wrong;
 use super::backend::Hardware;
 use super::collecting::wait_for_all;
-use super::gather::Sources;
+use super::gather::{Motions, Sources};
 use super::orders::carry_out;
 use super::pours::Poured;
 use super::problems::{Problem, Problems};
@@ -33,6 +33,7 @@ pub(crate) fn plan_domains(
     let mut current = sources.ambiguous(count);
     for (entity, domain, mut state, mut stats) in &mut domains {
         state.has_unsaid_problems = false;
+        state.asks_for_planning = false;
         let frame = match sources.frame(entity) {
             Ok(frame) => frame,
             Err(message) => {
@@ -43,22 +44,31 @@ pub(crate) fn plan_domains(
         state.frame = frame;
         state.mode = domain.mode;
         let gravity = domain.gravity.unwrap_or(default_gravity.0);
+        let backend = hardware.choose(domain.backend);
+        let state = &mut *state;
+        let mut motions = Motions::new(state.recipe.as_ref(), &mut state.moved);
+        let which = (count == 1, false);
         let mut recipe =
-            sources.recipe(entity, domain, (frame, gravity), (count == 1, false), &mut shapes, &mut current);
+            sources.recipe(entity, domain, (frame, gravity), which, &mut motions, &mut shapes, &mut current);
         if stats.waiting_for != recipe.waits_for {
             stats.waiting_for.clone_from(&recipe.waits_for);
         }
         let waits = !recipe.waits_for.is_empty();
         if waits && !state.waits {
             // What the fluid did to bodies reaches them before they are let go.
-            wait_for_all(entity, &mut state, &mut stats);
+            wait_for_all(entity, state, &mut stats);
         }
         state.waits = waits;
+        if !waits {
+            // One that is gone and comes again stands.
+            let walls = recipe.walls.iter().map(|wall| wall.entity);
+            let there: Vec<Entity> = walls.chain(recipe.movers.iter().map(|mover| mover.entity)).collect();
+            state.moved.retain(|entity| there.contains(entity));
+        }
         if waits {
             current.extend(state.problems.iter().cloned());
             continue;
         }
-        let backend = hardware.choose(domain.backend);
 
         let has_fluid =
             state.engine.is_some() || state.stopped || !recipe.fresh.is_empty() || !recipe.sources.is_empty();
@@ -68,9 +78,11 @@ pub(crate) fn plan_domains(
             if state.stopped {
                 // Its particles are lost: the domain starts from all its volumes again.
                 let which = (count == 1, true);
-                recipe = sources.recipe(entity, domain, (frame, gravity), which, &mut shapes, &mut Vec::new());
+                let mut motions = Motions::new(state.recipe.as_ref(), &mut state.moved);
+                recipe =
+                    sources.recipe(entity, domain, (frame, gravity), which, &mut motions, &mut shapes, &mut Vec::new());
             }
-            for (volume, refused) in replan(entity, recipe, backend, (&mut state, &mut stats), &sources, &hardware) {
+            for (volume, refused) in replan(entity, recipe, backend, (state, &mut stats), &sources, &hardware) {
                 let refused = if refused { volumes.get(volume).ok().cloned() } else { None };
                 commands.entity(volume).try_insert(Poured { domain: entity, refused });
             }
@@ -94,17 +106,20 @@ fn replan(
     hardware: &Hardware,
 ) -> Vec<(Entity, bool)> {
     if state.stopped {
-        *state = DomainState { frame: state.frame, mode: state.mode, ..default() };
+        let moved = std::mem::take(&mut state.moved);
+        *state = DomainState { frame: state.frame, mode: state.mode, moved, ..default() };
         stats.stopped = None;
     }
     state.problems.clear();
-    if state.recipe.as_ref().is_some_and(|planned| planned.bodies != recipe.bodies) {
+    let has_bodies_of = |planned: &Recipe| planned.bodies == recipe.bodies && recipe.has_movers_of(planned);
+    if state.recipe.as_ref().is_some_and(|planned| !has_bodies_of(planned)) {
         // Solvers know bodies by their place in the plan, also those of ticks in flight.
         wait_for_all(domain, state, stats);
     }
     let mut asked = recipe.clone();
     let mut dealt_with = Vec::new();
     if let Some(plan) = plan_without_the_wrong(domain, &mut recipe, state, sources, &mut dealt_with) {
+        stats.plannings += 1;
         carry_out(domain, plan, &recipe, backend, (state, stats), hardware);
         dealt_with.extend(recipe.fresh.iter().map(|fresh| (fresh.entity, false)));
     }

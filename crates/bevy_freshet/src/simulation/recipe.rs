@@ -5,6 +5,7 @@ use freshet_core::emitter::Emitter;
 use freshet_core::material::Material;
 use freshet_core::scene::{Boundary, FluidScene, Settings, Volume};
 
+use super::movers::Mover;
 use crate::components::domain::FluidDomain;
 
 /// Change of a pose, m or radians, up to which walls count as unmoved: a domain that moves with its walls as children
@@ -17,6 +18,15 @@ pub(crate) struct Wall {
     pub(crate) entity: Entity,
     pub(crate) component: &'static str,
     pub(crate) boundary: Boundary,
+}
+
+impl Wall {
+    /// Whether it is not where another is, by more than rounding.
+    pub(crate) fn is_moved_from(&self, other: &Self) -> bool {
+        let (a, b) = (&self.boundary, &other.boundary);
+        let is_there = a.center.distance(b.center) <= SAME_PLACE && angle_between(a.rotation, b.rotation) <= SAME_PLACE;
+        !is_there
+    }
 }
 
 /// A volume that has not been poured.
@@ -42,6 +52,8 @@ pub(crate) struct Recipe {
     /// In the domain's frame, m/s2.
     pub(crate) gravity: Vec3,
     pub(crate) walls: Vec<Wall>,
+    /// Walls that move. Where they are does not matter to a plan.
+    pub(crate) movers: Vec<Mover>,
     pub(crate) sources: Vec<Source>,
     /// Bodies and the versions of their samples.
     pub(crate) bodies: Vec<(Entity, u64)>,
@@ -76,9 +88,11 @@ impl Recipe {
                 a.entity == b.entity
                     && a.boundary.shape == b.boundary.shape
                     && a.boundary.viscous_faces == b.boundary.viscous_faces
-                    && a.boundary.center.distance(b.boundary.center) <= SAME_PLACE
-                    && angle_between(a.boundary.rotation, b.boundary.rotation) <= SAME_PLACE
+                    && a.boundary.friction == b.boundary.friction
+                    && is_same_velocity(a.boundary.velocity, b.boundary.velocity)
+                    && !a.is_moved_from(b)
             })
+            && self.has_movers_of(other)
             && same(&self.sources, &other.sources, |a, b| {
                 let (a, b) = ((a.entity, &a.emitter), (b.entity, &b.emitter));
                 a.0 == b.0
@@ -88,7 +102,12 @@ impl Recipe {
             })
     }
 
-    /// The scene, without bodies, whose samples the caller adds.
+    /// Whether the same walls move.
+    pub(crate) fn has_movers_of(&self, other: &Self) -> bool {
+        same(&self.movers, &other.movers, |a, b| a.entity == b.entity && a.shape == b.shape)
+    }
+
+    /// The scene, without bodies and walls that move, whose samples the caller adds.
     pub(crate) fn scene(&self) -> FluidScene {
         FluidScene {
             gravity: self.gravity,
@@ -109,13 +128,18 @@ fn angle_between(a: Quat, b: Quat) -> f32 {
     4.0 * (a.distance(b).min(a.distance(-b)) / 2.0).min(1.0).asin()
 }
 
+/// Whether velocities differ by no more than rounding makes of them where the domain turns with the wall.
+fn is_same_velocity(a: Vec3, b: Vec3) -> bool {
+    a.distance(b) <= SAME_PLACE * (1.0 + b.length())
+}
+
 fn same<T>(a: &[T], b: &[T], equal: impl Fn(&T, &T) -> bool) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| equal(a, b))
 }
 
 #[cfg(test)]
 mod tests {
-    use freshet_core::scene::BoundaryShape;
+    use freshet_core::scene::{BoundaryShape, Friction};
 
     use super::*;
 
@@ -127,6 +151,7 @@ mod tests {
             material: Material::water(),
             gravity: Vec3::NEG_Y,
             walls: vec![wall],
+            movers: Vec::new(),
             sources: Vec::new(),
             bodies: Vec::new(),
             fresh: Vec::new(),
@@ -159,7 +184,9 @@ mod tests {
             assert!(recipe(unmoved).is_served_by(&planned));
         }
         let slippery = wall.clone().with_viscous_faces([true, true, false, true, true, true]);
-        for changed in [turned(2.0 * SAME_PLACE), turned(1e-3), moved(2.0 * SAME_PLACE), slippery] {
+        let rough = wall.clone().with_friction(Friction::coulomb(0.1));
+        let belt = wall.clone().with_velocity(Vec3::X * 0.1);
+        for changed in [turned(2.0 * SAME_PLACE), turned(1e-3), moved(2.0 * SAME_PLACE), slippery, rough, belt] {
             assert!(!recipe(changed.clone()).is_served_by(&planned), "{changed:?}");
         }
     }

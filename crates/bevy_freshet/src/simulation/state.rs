@@ -1,14 +1,17 @@
 //! What the plugin remembers of a domain.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{HashMap, HashSet, VecDeque};
 
 use bevy::prelude::*;
 use freshet_core::emitter::EmitterFlow;
+use freshet_core::leaks::LeakWatch;
 use freshet_core::plan::Plan;
 use freshet_core::run::SimulatedClock;
-use freshet_core::scene::Body;
+use freshet_core::sampling::wall_layer::WallLayer;
+use freshet_core::scene::{Body, Boundary};
 use freshet_core::step::{BodyInput, Command, Impulse};
 
+use super::movers::{MoverBodies, MovingWall};
 use super::pours::Pours;
 use super::problems::Problem;
 use super::recipe::Recipe;
@@ -87,6 +90,20 @@ pub(crate) struct DomainState {
     pub(crate) body_entities: Vec<Entity>,
     /// Their states at the coming tick, in the domain's frame; made by the coupling.
     pub(crate) body_inputs: Vec<BodyInput>,
+    /// Walls that move, which are the last of the plan's bodies, in its order.
+    pub(crate) movers: Vec<MovingWall>,
+    /// Their samples.
+    pub(crate) mover_bodies: MoverBodies,
+    /// Walls that have been moved, and count as moving from there on.
+    pub(crate) moved: HashSet<Entity>,
+    /// All walls of the plan, and then those that move, where they were when it was made.
+    pub(crate) boundaries: Vec<Boundary>,
+    /// Where samples of walls lie.
+    pub(crate) layer: Option<WallLayer>,
+    /// Looks for leaks, where they are counted.
+    pub(crate) watch: Option<LeakWatch>,
+    /// A wall's scale has changed, which only planning can deal with.
+    pub(crate) asks_for_planning: bool,
     /// Number of the coming tick.
     pub(crate) tick: u64,
     /// Ticks sent and not known.

@@ -6,6 +6,7 @@ use freshet_core::step::{BodyInput, Command, StepInput};
 
 use super::collecting::wait_for_all;
 use super::gather::{rigid_frame, to_emitter};
+use super::movers::MovingWall;
 use super::state::{DomainState, SentTick};
 use crate::components::domain::FluidMode;
 use crate::components::emitter::FluidEmitter;
@@ -23,6 +24,7 @@ pub(crate) fn send_ticks(
     for (entity, mut state, mut stats) in &mut domains {
         let state = &mut *state;
         if !state.runs() {
+            state.movers.iter_mut().for_each(MovingWall::pause);
             continue;
         }
         let (Some(engine), Some(plan)) = (&mut state.engine, &state.plan) else { continue };
@@ -52,6 +54,12 @@ pub(crate) fn send_ticks(
         state.clock.send(state.tick, duration);
         // Without the coupling, or for a body it has lost, a body stands still at the origin of its samples.
         let mut bodies = std::mem::take(&mut state.body_inputs);
+        bodies.resize(state.body_entities.len(), BodyInput::default());
+        for mover in &mut state.movers {
+            let told = mover.advance(&transforms, state.frame, duration, plan);
+            state.asks_for_planning |= told.has_changed;
+            bodies.push(told.input);
+        }
         bodies.resize(plan.bodies.len(), BodyInput::default());
         let commands = std::mem::take(&mut state.commands);
         engine.send(Order::Tick(StepInput { tick: state.tick, duration, bodies, commands }));

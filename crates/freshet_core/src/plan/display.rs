@@ -59,11 +59,21 @@ impl fmt::Display for Plan {
                 )
             )?,
         }
+        if p.redo_substeps {
+            writeln!(
+                f,
+                "  substeps that turn out too long are made again, up to {} times",
+                super::Parameters::MOST_REDOS
+            )?;
+        }
         if p.near_pressure > 0.0 {
             writeln!(f, "  near pressure {} m2/s2 times the density", p.near_pressure)?;
         }
         if p.xsph > 0.0 {
             writeln!(f, "  XSPH with epsilon {}", p.xsph)?;
+        }
+        if p.widest_support > 1.0 {
+            writeln!(f, "  supports of particles up to {} times as wide", p.widest_support)?;
         }
         if p.dynamic_viscosity > 0.0 {
             writeln!(f, "  dynamic viscosity {} Pa s, calibration {:.4}", p.dynamic_viscosity, p.viscous_calibration)?;

@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use glam::{IVec3, Vec3};
 
+use crate::misplaced::{Obstacles, Place};
 use crate::periodic::Periodic;
 use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{Boundary, Volume};
-use crate::solid::{Obstacles, Place, Solid};
+use crate::solid::Solid;
 
 /// Particles of a volume that do not start because of a wall, and are none of the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -103,7 +103,8 @@ impl Plan {
         let kernel = kernel_of(scene, spacing)?;
         let support_radius = kernel.support_radius();
         let periodic = scene.periodic;
-        check_periods(&periodic, support_radius)?;
+        let reach = support_radius * settings.widest_support;
+        check_periods(&periodic, reach)?;
         check_driven(scene)?;
         check_relaxation(scene)?;
 
@@ -125,12 +126,11 @@ impl Plan {
             )
         }));
         let plan_body = |(index, body)| {
-            plan_body(body, &periodic, &layer, support_radius)
-                .map_err(|error| error.inside(format_args!("bodies[{index}]")))
+            plan_body(body, &periodic, &layer, reach).map_err(|error| error.inside(format_args!("bodies[{index}]")))
         };
         let bodies = scene.bodies.iter().enumerate().map(plan_body).collect::<Result<Vec<PlannedBody>, _>>()?;
 
-        let extent = Extent::of(positions.iter().chain(&boundary.positions), scene, support_radius);
+        let extent = Extent::of(positions.iter().chain(&boundary.positions), scene, reach);
         check_precision(extent.min.abs().max(extent.max.abs()), spacing)?;
         let (expected_speed, speed_reason) = expected_speed(scene, &positions, &boundary.positions, &layer);
         let rest_density = scene.material.rest_density;
@@ -209,11 +209,13 @@ impl Plan {
             artificial_viscosity: settings.artificial_viscosity,
             near_pressure: settings.near_pressure * sound_speed * sound_speed,
             xsph: settings.xsph,
+            widest_support: settings.widest_support,
             dynamic_viscosity: scene.physical_viscosity().map_or(0.0, |_| scene.material.dynamic_viscosity),
             viscous_calibration: kernel.lattice_viscous_sum(spacing) as f32,
             courant_factor: settings.courant_factor,
             force_factor: settings.force_factor,
             viscous_factor: settings.viscous_factor,
+            redo_substeps: settings.redo_substeps,
             max_substeps: settings.max_substeps,
             gravity: scene.gravity,
             bounds_min,
@@ -227,7 +229,7 @@ impl Plan {
             parameters,
             stages: stages(scene, !boundary.positions.is_empty(), &bodies),
             fields,
-            grid: Grid::repeating(support_radius, extent.max - extent.min, periodic, max_particles),
+            grid: Grid { support_radius, ..Grid::repeating(reach, extent.max - extent.min, periodic, max_particles) },
             positions,
             velocities,
             pressures,

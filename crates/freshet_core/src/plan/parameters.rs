@@ -51,6 +51,9 @@ pub struct Parameters {
     pub near_pressure: f32,
     /// Epsilon of XSPH; zero for none. See [`xsph`](crate::xsph).
     pub xsph: f32,
+    /// Widest support of a particle over the support radius; 1 where all have the same. See
+    /// [`variable_support`](crate::variable_support).
+    pub widest_support: f32,
     /// Dynamic viscosity of Morris' model, Pa s; zero without a model.
     pub dynamic_viscosity: f32,
     /// Divisor of Morris' pair forces, so that a parabolic velocity on the rest lattice has its exact force.
@@ -61,6 +64,8 @@ pub struct Parameters {
     pub force_factor: f32,
     /// See [`Settings::viscous_factor`](crate::scene::Settings::viscous_factor).
     pub viscous_factor: f32,
+    /// See [`Settings::redo_substeps`](crate::scene::Settings::redo_substeps).
+    pub redo_substeps: bool,
     /// See [`Settings::max_substeps`](crate::scene::Settings::max_substeps).
     pub max_substeps: u32,
     /// Gravity at the start, m/s2.
@@ -92,6 +97,22 @@ impl Parameters {
         let frequency = self.pressure_frequency * max_pressure.max(1e-12).sqrt() / self.spacing;
         let pressure = 2.0 * DivergenceFree::PRESSURE_FACTOR / frequency.max(1e-12);
         courant.min(fall).min(pressure).min(self.viscous_limit())
+    }
+
+    /// How much longer than the limit of the state that it leaves a substep may be; no unit.
+    pub const REDO_SLACK: f32 = 1.1;
+    /// How often a substep is made again at most; the last is left as it is.
+    pub const MOST_REDOS: u32 = 6;
+
+    /// The substep with which one of `dt` seconds is made again, if it was too long; none if it was not.
+    ///
+    /// A substep is as long as the state allows that it starts from. What happens in it, an impact mostly, can leave particles so fast, or
+    /// so hard pressed, that it should have been shorter: `limit` is what that state allows. More than a
+    /// [tenth](Self::REDO_SLACK) longer is too long. Then it is made again with that limit, between an eighth and a half of what it was (P §2.3.5: "the
+    /// time step is lowered to the maximum possible time step").
+    pub fn redone(dt: f32, limit: f32) -> Option<f32> {
+        let too_long = dt > Self::REDO_SLACK * limit || limit.is_nan();
+        too_long.then(|| limit.max(0.125 * dt).min(0.5 * dt))
     }
 
     /// How far a particle of an incompressible fluid may go in a substep, m.

@@ -39,6 +39,8 @@ pub struct PlannedBody {
     pub name: String,
     /// Samples relative to the centre of mass, m.
     pub samples: Vec<Vec3>,
+    /// The largest distance of a sample from the centre of mass, m.
+    pub reach: f32,
     /// Volume weights, m3.
     pub volumes: Vec<f32>,
     /// Where it is solid, relative to the centre of mass.
@@ -225,5 +227,12 @@ pub(super) fn plan_body(
     check_crowding(&body.samples, support_radius)?;
     check_width(&body.samples, periodic, support_radius)?;
     let volumes = layer.volumes(&body.samples);
-    Ok(PlannedBody { name: body.name.clone(), samples: body.samples.clone(), volumes, solids: body.solids.clone() })
+    let reach = body.samples.iter().map(|sample| sample.length()).fold(0.0, f32::max);
+    Ok(PlannedBody {
+        name: body.name.clone(),
+        samples: body.samples.clone(),
+        reach,
+        volumes,
+        solids: body.solids.clone(),
+    })
 }

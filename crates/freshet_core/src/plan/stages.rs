@@ -14,6 +14,8 @@ pub enum StageKind {
     Sort,
     /// Moves the bodies' samples to where the bodies are and sorts them by cell.
     BodySort,
+    /// How wide the support of each particle is.
+    Support,
     /// Density sum and pressure.
     Density,
     /// Acceleration by pressure, viscosity and gravity.
@@ -42,6 +44,7 @@ impl StageKind {
         match self {
             StageKind::Sort => "sort",
             StageKind::BodySort => "body_sort",
+            StageKind::Support => "support",
             StageKind::Density => "density",
             StageKind::Acceleration => "acceleration",
             StageKind::BodyLoad => "body_load",
@@ -72,6 +75,15 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     add(StageKind::Sort, "particles have neighbours, which are searched in cells of the support radius");
     if !bodies.is_empty() {
         add(StageKind::BodySort, "the scene has bodies, which move");
+    }
+    if scene.settings.widest_support > 1.0 {
+        let widest = scene.settings.widest_support;
+        add(
+            StageKind::Support,
+            &format!(
+                "settings.widest_support is {widest}: where the fluid is thin supports are wider, up to so many times"
+            ),
+        );
     }
     let incompressible = match scene.settings.pressure_solver {
         PressureSolver::WeaklyCompressible => None,

@@ -6,11 +6,14 @@
 //! for samples of viscous faces; elsewhere fluid slips freely. With a physical viscosity, see [`morris1997`](super::morris1997),
 //! that acts at viscous faces in its stead.
 
+use std::marker::PhantomData;
+
 use freshet_core::grid::Grid;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::morris1997::{self, Viscosity};
+use super::support::inverse_width;
 use crate::candidates::Candidates;
 use crate::lanes::{ScaledRoot, difference, divide, minus_quotient, sum_vector};
 use crate::packed::Packed;
@@ -38,6 +41,8 @@ pub struct Inputs<'a> {
     pub density: &'a [f32],
     /// `p / rho^2`, padded.
     pub pressure_term: &'a [f32],
+    /// Widths of supports, of plans that have them, padded.
+    pub width: Option<&'a [f32]>,
     /// Factor of fluid neighbours, `-m A / (G H^5)`.
     pub fluid_factor: f32,
     /// Factor of samples, `-rho0 A / (G H^5)`.
@@ -52,6 +57,8 @@ pub struct Inputs<'a> {
     pub softening: f32,
     /// m/s2.
     pub gravity: Vec3,
+    /// Whether [`Maxima`] are asked for: iterations of a pressure solve need none.
+    pub maxima: bool,
     /// How long, s, particles are to be moved on before their speeds are compared.
     pub ahead: f32,
 }
@@ -96,29 +103,42 @@ impl WithKernel for Task<'_> {
 
     fn with<K: SimdKernel>(self, _: K) -> Maxima {
         let arch = self.inputs.arch;
+        if let Some(width) = self.inputs.width {
+            // Code for everything; what of it a plan has is asked for every pair.
+            return arch.dispatch(Typed::<K, true, true, true>(self, width, PhantomData));
+        }
         match (self.inputs.viscosity > 0.0, self.inputs.physical.is_some()) {
-            (_, true) => arch.dispatch(Typed::<K, false, true>(self, std::marker::PhantomData)),
-            (true, false) => arch.dispatch(Typed::<K, true, false>(self, std::marker::PhantomData)),
-            (false, false) => arch.dispatch(Typed::<K, false, false>(self, std::marker::PhantomData)),
+            (_, true) => arch.dispatch(Typed::<K, false, true, false>(self, &[], PhantomData)),
+            (true, false) => arch.dispatch(Typed::<K, true, false, false>(self, &[], PhantomData)),
+            (false, false) => arch.dispatch(Typed::<K, false, false, false>(self, &[], PhantomData)),
         }
     }
 }
 
-struct Typed<'a, K, const ARTIFICIAL: bool, const PHYSICAL: bool>(Task<'a>, std::marker::PhantomData<K>);
+struct Typed<'a, K, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: bool>(
+    Task<'a>,
+    &'a [f32],
+    PhantomData<K>,
+);
 
-impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for Typed<'_, K, ARTIFICIAL, PHYSICAL> {
+impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: bool> WithSimd
+    for Typed<'_, K, ARTIFICIAL, PHYSICAL, WIDTHS>
+{
     type Output = Maxima;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Maxima {
         let Task { inputs, chunk, workspace, candidates, acceleration: [ax, ay, az] } = self.0;
         let ([x, y, z], [vx, vy, vz]) = (&inputs.particles.position, &inputs.particles.velocity);
-        let Workspace { calm, dragging, sticking, viscous, sums, wall_sums, .. } = workspace;
+        let Workspace { calm, dragging, sticking, viscous, wide, sums, wall_sums, .. } = workspace;
         calm.begin(inputs.grid);
         dragging.begin(inputs.grid);
         sticking.begin(inputs.grid);
         viscous.begin(inputs.grid);
+        wide.begin(inputs.grid);
         let pairs = Pairs::new(simd, &inputs);
+        let (is_artificial, is_physical) =
+            (ARTIFICIAL && inputs.viscosity > 0.0, PHYSICAL && inputs.physical.is_some());
         let mut maxima = Maxima::default();
         let mut lists = candidates.lists();
         for cell in chunk.cells.clone() {
@@ -130,7 +150,13 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for T
             let at = own.position[0][0];
             let (sums, _) = sums.zeroed::<S>(3 * range.len()).as_chunks_mut::<3>();
             let list = lists.next().unwrap_or_default();
-            if ARTIFICIAL || PHYSICAL {
+            if WIDTHS {
+                let width = self.1;
+                let sources = [x, y, z, inputs.pressure_term, vx, vy, vz, inputs.density, width];
+                wide.pack(simd, list, sources, at);
+                let width = &width[range.clone()];
+                add_wide_fluid::<S, K>(simd, pairs, own, width, wide, [is_artificial, is_physical], sums);
+            } else if ARTIFICIAL || PHYSICAL {
                 let sources = [x, y, z, inputs.pressure_term, vx, vy, vz, inputs.density];
                 viscous.pack(simd, list, sources, at);
                 // Beside a physical viscosity the artificial one is a question once a pair instead of code of its own.
@@ -142,11 +168,12 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for T
             }
             if inputs.near_pressure > 0.0 {
                 match ARTIFICIAL || PHYSICAL {
+                    true if WIDTHS => add_near_pressure::<S, 9>(simd, pairs, own, wide, inputs.near_pressure, sums),
                     true => add_near_pressure::<S, 8>(simd, pairs, own, viscous, inputs.near_pressure, sums),
                     false => add_near_pressure::<S, 4>(simd, pairs, own, calm, inputs.near_pressure, sums),
                 }
             }
-            let stuck = if PHYSICAL { 7 * range.len() } else { 0 };
+            let stuck = if is_physical { 7 * range.len() } else { 0 };
             let (wall_sums, _) = wall_sums.zeroed::<S>(stuck).as_chunks_mut::<7>();
             for samples in inputs.samples {
                 let list = lists.next().unwrap_or_default();
@@ -154,12 +181,12 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for T
                     continue;
                 }
                 let [x, y, z] = &samples.position;
-                if PHYSICAL && samples.drags() {
+                if is_physical && samples.drags() {
                     let [u, v, w] = samples.velocity();
                     sticking.pack(simd, list, [x, y, z, &samples.viscous_volume, u, v, w], at);
                     morris1997::add_walls::<S, K>(simd, pairs, own, sticking, wall_sums);
                 }
-                if ARTIFICIAL && samples.drags() {
+                if is_artificial && !is_physical && samples.drags() {
                     dragging.pack(simd, list, [x, y, z, &samples.volume, &samples.viscous_volume], at);
                     add_viscous_samples::<S, K>(simd, pairs, own, dragging, sums);
                 } else {
@@ -175,10 +202,12 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool> WithSimd for T
                 }
                 let at = i - chunk.particles.start;
                 (ax[at], ay[at], az[at]) = value.into();
-                maxima.acceleration_squared = maxima.acceleration_squared.max(value.length_squared());
-                maxima.speed_squared =
-                    maxima.speed_squared.max((inputs.particles.velocity_of(i) + inputs.ahead * value).length_squared());
-                maxima.pressure_term = maxima.pressure_term.max(inputs.pressure_term[i]);
+                if inputs.maxima {
+                    let speed = inputs.particles.velocity_of(i) + inputs.ahead * value;
+                    maxima.acceleration_squared = maxima.acceleration_squared.max(value.length_squared());
+                    maxima.speed_squared = maxima.speed_squared.max(speed.length_squared());
+                    maxima.pressure_term = maxima.pressure_term.max(inputs.pressure_term[i]);
+                }
             }
         }
         maxima
@@ -277,6 +306,53 @@ fn add_fluid<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: &P
     }
 }
 
+/// The same with supports of different widths, and each viscosity if it is asked for. Code for both: few plans have it.
+#[inline(always)]
+fn add_wide_fluid<S: Simd, K: SimdKernel>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: Own,
+    width: &[f32],
+    all: &Packed<9>,
+    [is_artificial, is_physical]: [bool; 2],
+    sums: &mut [[S::f32s; 3]],
+) {
+    let [vx, vy, vz] = own.velocity;
+    let one = simd.splat_f32s(1.0);
+    let mut first = 0;
+    while first < all.len() {
+        let [x, y, z, term, u, v, w, density, other_width] = all.lanes::<S>(first);
+        let motions = vx.iter().zip(vy).zip(vz).zip(own.density).zip(width);
+        for ((sum, position, own_term), ((((&own_u, &own_v), &own_w), &own_density), &width)) in
+            own.with(sums).zip(motions)
+        {
+            let ([dx, dy, dz], squared) = difference(simd, position, [x, y, z]);
+            let du = simd.sub_f32s(simd.splat_f32s(own_u), u);
+            let dv = simd.sub_f32s(simd.splat_f32s(own_v), v);
+            let dw = simd.sub_f32s(simd.splat_f32s(own_w), w);
+            let own_density = simd.splat_f32s(own_density);
+            let mut strength = simd.add_f32s(simd.splat_f32s(own_term), term);
+            if is_artificial {
+                let approach = simd.mul_add_f32s(dw, dz, simd.mul_add_f32s(dv, dy, simd.mul_f32s(du, dx)));
+                let numerator = simd.mul_f32s(pairs.viscosity, approach);
+                let densities = simd.add_f32s(own_density, density);
+                let divisor = simd.mul_f32s(simd.add_f32s(squared, pairs.softening), densities);
+                strength = minus_quotient(simd, strength, numerator, divisor);
+            }
+            let inverse = inverse_width(simd, width, other_width);
+            let square = simd.mul_f32s(inverse, inverse);
+            let fifth = simd.mul_f32s(simd.mul_f32s(square, square), inverse);
+            let q = simd.min_f32s(simd.mul_f32s(pairs.in_radii.of(simd, squared), inverse), one);
+            let slope = simd.mul_f32s(K::slope_over_q(simd, q), fifth);
+            if is_physical {
+                morris1997::add_pair(simd, pairs, [squared, slope], [own_density, density], [du, dv, dw], sum);
+            }
+            add(simd, sum, simd.mul_f32s(strength, slope), [dx, dy, dz]);
+        }
+        first += S::F32_LANES;
+    }
+}
+
 /// Double density relaxation, see `freshet_core::near_pressure`, over the fluid. A loop of its own: few plans have it.
 #[inline(always)]
 fn add_near_pressure<S: Simd, const N: usize>(
@@ -369,7 +445,7 @@ impl<S: Simd> Pairs<S> {
     #[inline(always)]
     fn new(simd: S, inputs: &Inputs) -> Self {
         Self {
-            in_radii: ScaledRoot::new(simd, 1.0 / inputs.grid.cell_size),
+            in_radii: ScaledRoot::new(simd, 1.0 / inputs.grid.support_radius),
             sample_factor: simd.splat_f32s(inputs.sample_factor),
             relative_factor: simd.splat_f32s(inputs.sample_factor / inputs.fluid_factor),
             viscosity: simd.splat_f32s(inputs.viscosity),

@@ -68,13 +68,13 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
                 let rows = Rows::around(task.grid, task.starts, cell);
                 let [sx, sy, sz] = &task.samples.position;
                 let sharing = task.samples.starts[cell] as usize..task.samples.starts[cell + 1] as usize;
-                let near = Near::around([sx, sy, sz], sharing, task.grid.cell_size);
+                let near = Near::around([sx, sy, sz], sharing, task.grid.support_radius);
                 candidates.begin(task.grid);
                 let list = candidates.add(simd, &rows, &near, [x, y, z]);
                 fluid.pack(simd, list, [x, y, z, task.pressure_term], at.x);
                 packed_cell = Some(cell);
             }
-            let sum = sum_around::<S, K>(simd, fluid, at, 1.0 / task.grid.cell_size);
+            let sum = sum_around::<S, K>(simd, fluid, at, 1.0 / task.grid.support_radius);
             *force = task.factor * task.samples.volume[slot] * sum;
         }
     }

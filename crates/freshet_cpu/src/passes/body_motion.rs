@@ -29,6 +29,8 @@ pub struct MovingBody {
     pub inverse_mass: f32,
     /// 1/(kg m2), world axes, kept from the tick's start.
     pub inverse_inertia: Mat3,
+    /// The largest distance of a sample from the centre of mass, m.
+    pub reach: f32,
     /// m/s2, from everything but the fluid.
     pub acceleration: Vec3,
     /// Velocity that takes the body in this tick from where the last one left it to where it should be, m/s.
@@ -41,7 +43,7 @@ pub struct MovingBody {
 
 impl MovingBody {
     /// The body at the start of tick `tick`: as its engine knows it, plus what the engine has not heard of yet.
-    pub fn begin(input: &BodyInput, exchanges: &[Exchange], tick: u64, duration: f32) -> Self {
+    pub fn begin(input: &BodyInput, reach: f32, exchanges: &[Exchange], tick: u64, duration: f32) -> Self {
         let mut body = Self {
             position: input.position,
             rotation: input.rotation,
@@ -49,6 +51,7 @@ impl MovingBody {
             angular_velocity: input.angular_velocity,
             inverse_mass: input.inverse_mass,
             inverse_inertia: input.inverse_inertia,
+            reach,
             acceleration: input.acceleration,
             drift: Vec3::ZERO,
             turn: Vec3::ZERO,
@@ -92,9 +95,9 @@ impl MovingBody {
         self.rotation = left.rotation;
     }
 
-    /// Speed of its centre, m/s.
+    /// What no sample is faster than, m/s.
     pub fn speed(&self) -> f32 {
-        (self.linear_velocity + self.drift).length()
+        (self.linear_velocity + self.drift).length() + (self.angular_velocity + self.turn).length() * self.reach
     }
 
     /// How it is accelerated by `force` (N) and `torque` (N m) alone.

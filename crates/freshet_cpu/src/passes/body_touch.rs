@@ -79,7 +79,7 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
         task.touches.clear();
         let (samples, [rx, ry, rz], owners) = (&task.samples.sorted, task.samples.arms(), task.samples.owners());
         let [sx, sy, sz] = &samples.position;
-        let in_radii = ScaledRoot::new(simd, 1.0 / task.grid.cell_size);
+        let in_radii = ScaledRoot::new(simd, 1.0 / task.grid.support_radius);
         let mut lists = task.candidates.lists();
         for cell in task.chunk.cells.clone() {
             let range = task.starts[cell] as usize..task.starts[cell + 1] as usize;

@@ -1,6 +1,6 @@
 //! Commands, carried out before a tick's first substep: they add particles, and end the lives of others.
 
-use freshet_core::solid::Misplaced;
+use freshet_core::misplaced::Misplaced;
 use freshet_core::step::{Command, NewParticles};
 use glam::Vec3;
 

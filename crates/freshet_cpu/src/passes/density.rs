@@ -13,6 +13,7 @@ use crate::lanes::{ScaledRoot, difference, squared_length, sum_vector};
 use crate::neighbours::Rows;
 use crate::packed::Packed;
 use crate::particles::Particles;
+use crate::passes::support::inverse_width;
 use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
 use crate::tasks::Total;
@@ -36,6 +37,8 @@ pub struct Inputs<'a> {
     pub fluid_factor: f32,
     /// Factor of samples, `rho0 A / (S H^3)`.
     pub sample_factor: f32,
+    /// Widths of supports, of plans that have them, padded.
+    pub width: Option<&'a [f32]>,
     /// What is asked for beside densities.
     pub second: Second,
     /// Density at rest, kg/m3.
@@ -95,7 +98,10 @@ impl WithKernel for Task<'_> {
     fn with<K: SimdKernel>(self, _: K) -> Compression {
         let arch = self.inputs.arch;
         match self.inputs.second {
-            Second::PressureTerm(law) => arch.dispatch(Compressible::<K>(self, law, PhantomData)),
+            Second::PressureTerm(law) => match self.inputs.width {
+                Some(width) => arch.dispatch(Compressible::<K, true>(self, law, width, PhantomData)),
+                None => arch.dispatch(Compressible::<K, false>(self, law, &[], PhantomData)),
+            },
             Second::InverseDiagonal { factor, number_density, least } => {
                 arch.dispatch(Incompressible::<K>(self, [factor, number_density, least], PhantomData))
             }
@@ -103,9 +109,9 @@ impl WithKernel for Task<'_> {
     }
 }
 
-struct Compressible<'a, K>(Task<'a>, PressureLaw, PhantomData<K>);
+struct Compressible<'a, K, const WIDTHS: bool>(Task<'a>, PressureLaw, &'a [f32], PhantomData<K>);
 
-impl<K: SimdKernel> WithSimd for Compressible<'_, K> {
+impl<K: SimdKernel, const WIDTHS: bool> WithSimd for Compressible<'_, K, WIDTHS> {
     type Output = Compression;
 
     #[inline(always)]
@@ -127,8 +133,14 @@ impl<K: SimdKernel> WithSimd for Compressible<'_, K> {
             let sums = sums.zeroed::<S>(range.len());
             let rows = Rows::around(inputs.grid, inputs.starts, cell);
             let list = candidates.add(simd, &rows, &near, [x, y, z]);
-            fluid.pack(simd, list, [x, y, z], own[0][0]);
-            add_fluid::<S, K>(simd, pairs, own, fluid, sums);
+            if WIDTHS {
+                let width = self.2;
+                weighted.pack(simd, list, [x, y, z, width], own[0][0]);
+                add_wide_fluid::<S, K>(simd, pairs, own, &width[range.clone()], weighted, sums);
+            } else {
+                fluid.pack(simd, list, [x, y, z], own[0][0]);
+                add_fluid::<S, K>(simd, pairs, own, fluid, sums);
+            }
             for samples in inputs.samples {
                 let rows = Rows::around(inputs.grid, &samples.starts, cell);
                 let [x, y, z] = &samples.position;
@@ -270,6 +282,31 @@ fn add_fluid<S: Simd, K: SimdKernel>(
     }
 }
 
+/// `m A/(S H^3) sum_b f(q_ab / w_ab) / w_ab^3` over the fluid, for each of a cell's particles.
+#[inline(always)]
+fn add_wide_fluid<S: Simd, K: SimdKernel>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: [&[f32]; 3],
+    width: &[f32],
+    all: &Packed<4>,
+    sums: &mut [S::f32s],
+) {
+    let mut first = 0;
+    while first < all.len() {
+        let [ox, oy, oz, other_width] = all.lanes::<S>(first);
+        for ((((sum, &x), &y), &z), &width) in sums.iter_mut().zip(own[0]).zip(own[1]).zip(own[2]).zip(width) {
+            let inverse = inverse_width(simd, width, other_width);
+            let (_, squared) = difference(simd, [x, y, z], [ox, oy, oz]);
+            let q = simd.mul_f32s(pairs.in_radii.of(simd, squared), inverse);
+            let cube = simd.mul_f32s(simd.mul_f32s(inverse, inverse), inverse);
+            let shape = K::shape(simd, simd.min_f32s(q, simd.splat_f32s(1.0)));
+            *sum = simd.mul_add_f32s(simd.mul_f32s(pairs.fluid_factor, cube), shape, *sum);
+        }
+        first += S::F32_LANES;
+    }
+}
+
 /// `rho0 A/(S H^3) sum_k V_k f(q_ak)` over walls or bodies, for each of a cell's particles.
 #[inline(always)]
 fn add_samples<S: Simd, K: SimdKernel>(
@@ -304,7 +341,7 @@ impl<S: Simd> Pairs<S> {
     #[inline(always)]
     fn new(simd: S, inputs: &Inputs) -> Self {
         Self {
-            in_radii: ScaledRoot::new(simd, 1.0 / inputs.grid.cell_size),
+            in_radii: ScaledRoot::new(simd, 1.0 / inputs.grid.support_radius),
             fluid_factor: simd.splat_f32s(inputs.fluid_factor),
             sample_factor: simd.splat_f32s(inputs.sample_factor),
         }

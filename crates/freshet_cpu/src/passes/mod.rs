@@ -14,4 +14,5 @@ pub mod morris1997;
 pub mod projection;
 pub mod sort;
 pub mod step_control;
+pub mod support;
 pub mod xsph;

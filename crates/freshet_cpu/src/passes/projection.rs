@@ -159,20 +159,45 @@ fn step(inputs: &Inputs, values: &mut Values) -> u64 {
         source.copy_from_slice(left);
     }
     let mut sum = 0;
-    let mut to = |i: usize, least: f32| {
-        let free = change[i] + inputs.relaxation * left[i] * inverse[i];
-        let to = free.max(least);
-        next[i] = (to + inputs.momentum * (to - stepped[i])).max(least);
-        stepped[i] = to;
-        // Where there is no pressure left to take away, a fluid that parts is as it should be.
-        let wrong = if free < least { 0.0 } else { left[i].abs() };
-        sum += u64::from((wrong.min(1.0) * UNIT) as u32);
-    };
     match values.pressure {
-        Some(pressure) => (0..len).for_each(|i| to(i, -pressure[i])),
-        None => (0..len).for_each(|i| to(i, 0.0)),
+        Some(pressure) => {
+            let pressure = &pressure[..len];
+            for i in 0..len {
+                let one = Step::of(inputs, [change[i], left[i], inverse[i], stepped[i]], -pressure[i]);
+                (next[i], stepped[i]) = (one.next, one.stepped);
+                sum += u64::from(one.wrong);
+            }
+        }
+        None => {
+            for i in 0..len {
+                let one = Step::of(inputs, [change[i], left[i], inverse[i], stepped[i]], 0.0);
+                (next[i], stepped[i]) = (one.next, one.stepped);
+                sum += u64::from(one.wrong);
+            }
+        }
     }
     sum
+}
+
+/// A step of one particle. No closure: what is called in a loop of lanes has to be inlined.
+struct Step {
+    next: f32,
+    stepped: f32,
+    /// `|R|` where it counts, in [units](UNIT).
+    wrong: u32,
+}
+
+impl Step {
+    /// From a change that left so much of the compression, to one of at least `least`.
+    #[inline(always)]
+    fn of(inputs: &Inputs, [change, left, inverse_diagonal, before]: [f32; 4], least: f32) -> Self {
+        let free = change + inputs.relaxation * left * inverse_diagonal;
+        let stepped = free.max(least);
+        let next = (stepped + inputs.momentum * (stepped - before)).max(least);
+        // Where there is no pressure left to take away, a fluid that parts is as it should be.
+        let wrong = if free < least { 0.0 } else { left.abs() };
+        Self { next, stepped, wrong: (wrong.min(1.0) * UNIT) as u32 }
+    }
 }
 
 /// `sum_b f'(q)/q x_ab . (u_a - u_b)` over the fluid, for each of a cell's particles.
@@ -245,7 +270,7 @@ impl<S: Simd> Pairs<S> {
     #[inline(always)]
     fn new(simd: S, inputs: &Inputs) -> Self {
         Self {
-            in_radii: ScaledRoot::new(simd, 1.0 / inputs.grid.cell_size),
+            in_radii: ScaledRoot::new(simd, 1.0 / inputs.grid.support_radius),
             number_density: simd.splat_f32s(inputs.number_density),
         }
     }

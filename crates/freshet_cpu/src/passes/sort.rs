@@ -130,7 +130,7 @@ fn floor(x: f32) -> i32 {
 /// it out costs nothing beside it.
 const CHUNK_PARTICLES: usize = 512;
 /// Chunks of a thread, at least and at most.
-const CHUNKS_PER_THREAD: [usize; 2] = [4, 64];
+const CHUNKS_PER_THREAD: [usize; 2] = [16, 64];
 
 impl Sorter {
     /// Sorts `particles` (through `scratch`, which ends up with the old order).

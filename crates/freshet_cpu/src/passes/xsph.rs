@@ -68,7 +68,7 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
         let ([x, y, z], [u, v, w]) = (&inputs.particles.position, &inputs.particles.velocity);
         let Workspace { sticking: fluid, sums, .. } = workspace;
         fluid.begin(inputs.grid);
-        let in_radii = ScaledRoot::new(simd, 1.0 / inputs.grid.cell_size);
+        let in_radii = ScaledRoot::new(simd, 1.0 / inputs.grid.support_radius);
         let mut lists = candidates.lists();
         for cell in chunk.cells.clone() {
             let range = inputs.starts[cell] as usize..inputs.starts[cell + 1] as usize;

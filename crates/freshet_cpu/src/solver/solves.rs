@@ -2,9 +2,9 @@
 
 use freshet_core::pressure_solver::DivergenceFree;
 
-use super::CpuSolver;
 use super::answers::Answers;
 use super::stages::{kernel_scale, those_with_samples};
+use super::{CpuSolver, Iteration};
 use crate::passes::projection::{self, UNIT, Values};
 use crate::simd_kernel::dispatch;
 use crate::tasks::Tasks;
@@ -139,7 +139,7 @@ impl CpuSolver {
         let mut solve = std::mem::take(&mut self.solve);
         let live = self.particles.len;
         let (share, rest_density) = (DivergenceFree::share(way), self.plan.parameters.rest_density);
-        let relaxation = self.plan.parameters.relaxation / (dt * dt);
+        let relaxation = self.iteration.relaxation(self.plan.parameters.relaxation) / (dt * dt);
         let mut sum = 0;
         for i in 0..live {
             let excess = (self.density[i] / rest_density - 1.0).max(0.0);
@@ -195,8 +195,11 @@ impl CpuSolver {
             factor: gradient / (parameters.density_calibration * parameters.rest_density),
             number_density: parameters.rest_density / parameters.particle_mass,
             time: if first { dt } else { dt * dt },
-            relaxation: parameters.relaxation / (dt * dt),
-            momentum: solve.pace.momentum(),
+            relaxation: self.iteration.relaxation(parameters.relaxation) / (dt * dt),
+            momentum: match self.iteration {
+                Iteration::Momentum => solve.pace.momentum(),
+                Iteration::Jacobi => 0.0,
+            },
         };
         let results = [&mut *solve.source, &mut *solve.next, &mut *solve.stepped, &mut *solve.left];
         let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);

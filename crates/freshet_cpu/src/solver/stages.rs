@@ -13,7 +13,7 @@ use crate::passes::acceleration::Maxima;
 use crate::passes::density::{Compression, Second};
 use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
-use crate::passes::{acceleration, body_load, body_touch, density, friction, integrate, xsph};
+use crate::passes::{acceleration, body_load, body_touch, density, friction, integrate, support, xsph};
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
 use crate::tasks::Tasks;
@@ -33,11 +33,35 @@ impl CpuSolver {
         if self.plan.has(StageKind::Xsph) {
             self.drift.iter_mut().for_each(|values| values.resize(padded, 0.0));
         }
+        if self.plan.has(StageKind::Support) {
+            self.width.resize(padded, 1.0);
+        }
         let terms = Some(&mut self.pressure_term).filter(|_| !solves);
         for values in [&mut self.density].into_iter().chain(&mut self.acceleration).chain(terms) {
             values.resize(padded, 0.0);
         }
         gone
+    }
+
+    /// Widths of supports.
+    pub(super) fn support_stage(&mut self) {
+        let parameters = &self.plan.parameters;
+        let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
+        let samples = [&self.walls, &self.body_samples.sorted];
+        let inputs = support::Inputs {
+            arch: self.arch,
+            grid: &self.plan.grid,
+            starts: &self.sorter.starts,
+            particles: &self.particles,
+            samples: those_with_samples(&samples),
+            fluid_factor: parameters.particle_mass / parameters.rest_density * scale,
+            sample_factor: scale,
+            widest: parameters.widest_support,
+        };
+        let tasks = Tasks::new(&self.sorter.chunks, (), &mut *self.width);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (), width)| {
+            dispatch(parameters.kernel, support::Task { inputs, chunk, workspace, width })
+        })
     }
 
     /// Densities, pressure terms and the lists of candidates.
@@ -66,6 +90,7 @@ impl CpuSolver {
             samples: those_with_samples(&samples),
             fluid_factor: parameters.particle_mass * scale,
             sample_factor: parameters.rest_density * scale,
+            width: self.plan.has(StageKind::Support).then_some(&*self.width),
             second,
             rest_density: parameters.rest_density,
         };
@@ -105,6 +130,7 @@ impl CpuSolver {
             samples: those_with_samples(&samples),
             density: &self.density,
             pressure_term: terms,
+            width: self.plan.has(StageKind::Support).then_some(&*self.width),
             fluid_factor: -parameters.particle_mass * scale,
             sample_factor: -parameters.rest_density * scale,
             viscosity: or_none(2.0 * parameters.artificial_viscosity * parameters.sound_speed * h),
@@ -121,6 +147,7 @@ impl CpuSolver {
             ),
             softening: 0.01 * h * h,
             gravity: if all { self.gravity } else { Vec3::ZERO },
+            maxima: all,
             ahead: if self.plan.has(StageKind::DivergenceSolve) { self.last_substep } else { 0.0 },
         };
         let results = acceleration.each_mut().map(Vec::as_mut_slice);

@@ -48,7 +48,7 @@ pub enum Binding {
     Accelerations,
     /// Accelerations by a change of the pressures of an incompressible fluid, m/s2. A buffer or a texture, as the positions.
     Motions,
-    /// What the solves of an incompressible fluid keep, eight words a particle, each word in a section of its own.
+    /// What the solves of an incompressible fluid keep, eight words a particle, ten with bodies, each word in a section of its own.
     Solves,
     /// The particle in each slot, before ordering by id.
     Slots,
@@ -57,7 +57,8 @@ pub enum Binding {
     /// First particle of each cell, then first wall sample, first body sample, totals of blocks.
     CellStarts,
     /// Wall samples, then body samples, each sorted: position, and volume, negative for samples of viscous faces. Between them, if
-    /// walls move, the velocities of wall samples. A buffer or a texture, as the positions.
+    /// walls move, the velocities of wall samples. At the end, of an incompressible fluid, where body samples are from the centre of
+    /// mass of which body. A buffer or a texture, as the positions.
     Samples,
     /// [`BodyRecord`](records::BodyRecord).
     Bodies,
@@ -75,11 +76,15 @@ pub enum Binding {
     WallFrictions,
     /// What particles move with beside their velocity, of plans with XSPH: four words each, the last unused.
     Drifts,
+    /// [`BodyAnswerRecord`](records::BodyAnswerRecord): how bodies answer to the solves of an incompressible fluid.
+    Answers,
+    /// Supports over the support radius, of plans where they vary.
+    Widths,
 }
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 26] = [
+    pub const ALL: [Binding; 28] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -106,6 +111,8 @@ impl Binding {
         Binding::Spawned,
         Binding::WallFrictions,
         Binding::Drifts,
+        Binding::Answers,
+        Binding::Widths,
     ];
 
     /// Number in group 0.
@@ -147,10 +154,12 @@ impl Binding {
             Binding::Spawned => "spawned",
             Binding::WallFrictions => "wall_frictions",
             Binding::Drifts => "drifts",
+            Binding::Answers => "answers",
+            Binding::Widths => "widths",
         }
     }
 
-    /// Bytes of one particle's part; none for buffers that do not hold particles.
+    /// Bytes of one particle's part, without that of plans with bodies; none for buffers that do not hold particles.
     pub fn particle_bytes(self) -> Option<u64> {
         match self {
             Binding::Particles | Binding::Hits | Binding::Solves => Some(32),
@@ -160,7 +169,7 @@ impl Binding {
             | Binding::Motions
             | Binding::Drifts => Some(16),
             Binding::Densities => Some(8),
-            Binding::SortedLives | Binding::Slots => Some(4),
+            Binding::SortedLives | Binding::Slots | Binding::Widths => Some(4),
             _ => None,
         }
     }
@@ -183,7 +192,7 @@ impl Binding {
                 "array<vec4<u32>>"
             }
             Binding::Solves => "array<u32>",
-            Binding::SortedLives => "array<f32>",
+            Binding::SortedLives | Binding::Widths => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
             Binding::WallFrictions => "array<vec2<f32>>",
@@ -194,12 +203,13 @@ impl Binding {
             Binding::BodySamples => "array<BodySampleRecord>",
             Binding::SampleLoads => "array<SampleLoadRecord>",
             Binding::Spawned => "array<SpawnRecord>",
+            Binding::Answers => "array<BodyAnswerRecord>",
         }
     }
 
     /// Whether WGSL wants it writable even where a pass only reads it: atomics.
     pub fn is_atomic(self) -> bool {
-        matches!(self, Binding::Control | Binding::CellCounts)
+        matches!(self, Binding::Control | Binding::CellCounts | Binding::Answers)
     }
 
     /// Whether passes read it of every neighbour of a particle: four words each, in a buffer or in a texture.
@@ -274,7 +284,7 @@ fn hits_of_own_row(i: u32) -> u32 { return accelerations[i].own_row; }
             // The pressures first: they stay from tick to tick, also in larger buffers. In their order of the last sort they
             // are where changes come later.
             Binding::Solves => {
-                "fn solve_word(section: u32, i: u32) -> u32 { return section * (arrayLength(&solves) / 8u) + i; }
+                "fn solve_word(section: u32, i: u32) -> u32 { return section * (arrayLength(&solves) / #{SOLVE_WORDS}u) + i; }
 fn solved_pressure(i: u32) -> f32 { return bitcast<f32>(solves[i]); }
 fn sorted_pressure(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(1u, i)]); }
 fn change(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(1u, i)]); }
@@ -284,6 +294,8 @@ fn left(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(4u, i)]); }
 fn inverse_diagonal(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(5u, i)]); }
 fn taken(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(6u, i)]); }
 fn own_row(i: u32) -> u32 { return solves[solve_word(7u, i)]; }
+fn touch(i: u32) -> u32 { return solves[solve_word(8u, i)]; }
+fn stiffness(i: u32) -> f32 { return bitcast<f32>(solves[solve_word(9u, i)]); }
 "
             }
             Binding::Slots => "fn slot(i: u32) -> u32 { return slots[i]; }\n",
@@ -298,10 +310,16 @@ fn sample(k: u32) -> Sample {
 fn wall_velocity(k: u32) -> vec3<f32> {
     return bitcast<vec3<f32>>(samples_words(parameters.wall_samples + k).xyz);
 }
+struct SampleArm { offset: vec3<f32>, body: u32 }
+fn sample_arm(k: u32) -> SampleArm {
+    let words = samples_words(parameters.body_samples + k);
+    return SampleArm(bitcast<vec3<f32>>(words.xyz), words.w);
+}
 "
             }
             Binding::WallFrictions => "fn wall_friction(k: u32) -> vec2<f32> { return wall_frictions[k]; }\n",
             Binding::Drifts => "fn drift(i: u32) -> vec3<f32> { return drifts[i].xyz; }\n",
+            Binding::Widths => "fn width(i: u32) -> f32 { return widths[i]; }\n",
             Binding::Bodies => {
                 "fn body_position(i: u32) -> vec3<f32> { return bodies[i].position; }
 fn body_rotation(i: u32) -> vec4<f32> { return bodies[i].rotation; }
@@ -316,6 +334,7 @@ fn body_first_sample(i: u32) -> u32 { return bodies[i].first_sample; }
 fn body_sample_count(i: u32) -> u32 { return bodies[i].sample_count; }
 fn body_force(i: u32) -> vec3<f32> { return bodies[i].force; }
 fn body_torque(i: u32) -> vec3<f32> { return bodies[i].torque; }
+fn body_reach(i: u32) -> f32 { return bodies[i].reach; }
 fn body_is_placed(i: u32) -> bool { return bodies[i].is_placed != 0u; }
 fn body_drift(i: u32) -> vec3<f32> { return bodies[i].drift; }
 fn body_turn(i: u32) -> vec3<f32> { return bodies[i].turn; }
@@ -340,6 +359,17 @@ fn sample_torque(k: u32) -> vec3<f32> { return sample_loads[k].torque; }
 fn spawned_velocity(i: u32) -> vec3<f32> { return spawned[i].velocity; }
 fn spawned_life(i: u32) -> f32 { return spawned[i].lifetime; }
 fn spawned_age(i: u32) -> f32 { return spawned[i].age; }
+"
+            }
+            Binding::Answers => {
+                "fn answer_linear(i: u32) -> vec3<f32> { return answers[i].linear; }
+fn answer_angular(i: u32) -> vec3<f32> { return answers[i].angular; }
+fn answer_force(i: u32) -> vec3<f32> { return answers[i].force; }
+fn answer_torque(i: u32) -> vec3<f32> { return answers[i].torque; }
+fn touching(i: u32) -> u32 { return atomicLoad(&answers[i].touching); }
+fn sum_of_sizes(i: u32) -> f32 {
+    return f32(atomicLoad(&answers[i].sizes_high)) * 4294967296.0 + f32(atomicLoad(&answers[i].sizes_low));
+}
 "
             }
         }
@@ -407,6 +437,8 @@ fn set_left(i: u32, value: f32) { solves[solve_word(4u, i)] = bitcast<u32>(value
 fn set_inverse_diagonal(i: u32, value: f32) { solves[solve_word(5u, i)] = bitcast<u32>(value); }
 fn set_taken(i: u32, value: f32) { solves[solve_word(6u, i)] = bitcast<u32>(value); }
 fn set_own_row(i: u32, value: u32) { solves[solve_word(7u, i)] = value; }
+fn set_touch(i: u32, value: u32) { solves[solve_word(8u, i)] = value; }
+fn set_stiffness(i: u32, value: f32) { solves[solve_word(9u, i)] = bitcast<u32>(value); }
 "
             }
             Binding::Slots => "fn set_slot(i: u32, particle: u32) { slots[i] = particle; }\n",
@@ -416,7 +448,13 @@ fn take_from_cell_count(i: u32) -> u32 { return atomicSub(&cell_counts[i], 1u) -
 "
             }
             Binding::CellStarts => "fn set_cell_start(i: u32, start: u32) { cell_starts[i] = start; }\n",
-            Binding::Samples => "fn set_sample(k: u32, value: vec4<f32>) { set_samples_words(k, bitcast<vec4<u32>>(value)); }\n",
+            Binding::Samples => {
+                "fn set_sample(k: u32, value: vec4<f32>) { set_samples_words(k, bitcast<vec4<u32>>(value)); }
+fn set_sample_arm(k: u32, offset: vec3<f32>, body: u32) {
+    set_samples_words(parameters.body_samples + k, vec4<u32>(bitcast<vec3<u32>>(offset), body));
+}
+"
+            }
             Binding::Bodies => {
                 "fn start_body(i: u32, given: BodyInputRecord) {
     bodies[i].inverse_mass = given.inverse_mass;
@@ -445,11 +483,49 @@ fn add_body_impulse(i: u32, slot: u32, linear: vec3<f32>, angular: vec3<f32>) {
 }
 "
             }
+            Binding::Widths => "fn set_width(i: u32, value: f32) { widths[i] = value; }\n",
             Binding::Drifts => "fn set_drift(i: u32, e: vec3<f32>) { drifts[i] = vec4<f32>(e, 0.0); }\n",
             Binding::BodySlots => "fn set_body_slot(i: u32, k: u32) { body_slots[i] = k; }\n",
             Binding::SampleLoads => {
                 "fn set_sample_load(k: u32, f: vec3<f32>, t: vec3<f32>) {
     sample_loads[k] = SampleLoadRecord(f, 0.0, t, 0.0);
+}
+"
+            }
+            Binding::Answers => {
+                "fn begin_answer(i: u32, moves: bool) {
+    answers[i].moves = select(0u, 1u, moves);
+    set_answer(i, vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
+    atomicStore(&answers[i].touching, 0u);
+    atomicStore(&answers[i].sizes_low, 0u);
+    atomicStore(&answers[i].sizes_high, 0u);
+    atomicStore(&answers[i].left_low, 0u);
+    atomicStore(&answers[i].left_high, 0u);
+}
+fn set_answer(i: u32, f: vec3<f32>, t: vec3<f32>, linear: vec3<f32>, angular: vec3<f32>) {
+    answers[i].force = f;
+    answers[i].torque = t;
+    answers[i].linear = linear;
+    answers[i].angular = angular;
+}
+fn add_touch(i: u32, units: u32) {
+    atomicAdd(&answers[i].touching, 1u);
+    let before = atomicAdd(&answers[i].sizes_low, units);
+    if (before + units < before) {
+        atomicAdd(&answers[i].sizes_high, 1u);
+    }
+}
+fn add_body_left(i: u32, units: u32) {
+    if (answers[i].moves == 0u) {
+        return;
+    }
+    let before = atomicAdd(&answers[i].left_low, units);
+    if (before + units < before) {
+        atomicAdd(&answers[i].left_high, 1u);
+    }
+}
+fn take_body_left(i: u32) -> vec2<u32> {
+    return vec2<u32>(atomicExchange(&answers[i].left_low, 0u), atomicExchange(&answers[i].left_high, 0u));
 }
 "
             }

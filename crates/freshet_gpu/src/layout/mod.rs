@@ -6,8 +6,8 @@ mod wgsl;
 
 pub use binding::{Access, Binding};
 pub use records::{
-    AccelerationRecord, BodyInputRecord, BodyRecord, BodySampleRecord, CommandRecord, ExchangeRecord, Parameters,
-    ParticleRecord, SampleLoadRecord, SpawnRecord, StepControl, TickRecord,
+    AccelerationRecord, BodyAnswerRecord, BodyInputRecord, BodyRecord, BodySampleRecord, CommandRecord, ExchangeRecord,
+    Parameters, ParticleRecord, SampleLoadRecord, SpawnRecord, StepControl, TickRecord,
 };
 pub use wgsl::{Atomic, WgslStruct, WgslType};
 

@@ -27,7 +27,7 @@ wgsl_struct! {
         grid_origin: Vec3,
         /// Nearest a particle is taken to be to a face it sticks to, m.
         nearest_wall: f32,
-        /// Cells in a support radius along each axis.
+        /// Cells in the widest support along each axis.
         cells_per_radius: Vec3,
         /// 2 mu G / G', Pa s: Morris' viscosity between particles.
         pair_viscosity: f32,
@@ -37,8 +37,8 @@ wgsl_struct! {
         wall_viscosity: f32,
         /// One over it, 1/m; zero for none.
         inverse_period: Vec3,
-        /// Unused.
-        pad_period: u32,
+        /// Widest support over H; 1 where all are the same.
+        widest_support: f32,
         /// Lower ends of the periods, m.
         period_low: Vec3,
         /// Unused.
@@ -141,8 +141,8 @@ wgsl_struct! {
         near_pressure: f32,
         /// 2 epsilon m A / (S H^3): XSPH from the fluid's kernel shapes over sums of densities.
         xsph_scale: f32,
-        /// Unused.
-        pad_b: u32,
+        /// Of a product of sizes of touches, what bodies that answer add to `K`.
+        stiffness_scale: f32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.
@@ -411,8 +411,8 @@ wgsl_struct! {
         is_placed: u32,
         /// Second column.
         inertia_y: Vec3,
-        /// Unused.
-        pad_b: u32,
+        /// The largest distance of a sample from the centre of mass, m.
+        reach: f32,
         /// Third column.
         inertia_z: Vec3,
         /// Unused.
@@ -447,5 +447,31 @@ wgsl_struct! {
         pad_j: u32,
         /// The last four ticks, at their number modulo four.
         exchanges: [ExchangeRecord; 4],
+    }
+
+    /// How a body answers to the divergence solve of an incompressible fluid.
+    pub struct BodyAnswerRecord {
+        /// Acceleration by the change of pressures that an iteration is about, m/s2.
+        linear: Vec3,
+        /// 1 if forces move it, else 0.
+        moves: u32,
+        /// The same about its centre of mass, rad/s2.
+        angular: Vec3,
+        /// Particles that touch it.
+        touching: Atomic,
+        /// By the change of pressures, N.
+        force: Vec3,
+        /// Sum of the sizes of touches, in units of its own, lower half; see `library/touch.wgsl`.
+        sizes_low: Atomic,
+        /// By the change of pressures, about its centre of mass, N m.
+        torque: Vec3,
+        /// Upper half.
+        sizes_high: Atomic,
+        /// Sum of what an iteration left around it, in units of 2^-30, lower half.
+        left_low: Atomic,
+        /// Its upper half.
+        left_high: Atomic,
+        /// Unused.
+        pad: [u32; 2],
     }
 }

@@ -196,6 +196,46 @@ fn wider_supports_and_fluids_without_walls_or_viscosity_do_too() {
     check(&FluidScene { settings: plain, boundaries: Vec::new(), ..dam_break(0.05) });
 }
 
+/// A fluid that is thin here and dense there; with walls, with what pairs have beside pressures, across the end of a period.
+#[test]
+fn supports_of_different_widths_give_the_forces_of_the_reference() {
+    let wide = |mut scene: FluidScene, widest: f32| {
+        scene.settings.widest_support = widest;
+        scene
+    };
+    let mut plain = dam_break(0.05);
+    plain.boundaries.clear();
+    plain.settings.artificial_viscosity = 0.0;
+    plain.settings.kernel = KernelKind::CubicSpline;
+    let mut viscous = channel();
+    let long = |ends: (f32, f32)| (1.3 * ends.0, 1.3 * ends.1);
+    viscous.periodic = Periodic { x: viscous.periodic.x.map(long), y: None, z: viscous.periodic.z.map(long) };
+    viscous.settings.near_pressure = 0.02;
+    for scene in [wide(dam_break(0.05), 1.6), wide(plain, 2.0), wide(viscous, 1.3)] {
+        check(&scene);
+    }
+    for (patch, index) in [
+        (("let square = inverse_width * inverse_width;", "let square = 1.01 * inverse_width * inverse_width;"), 2),
+        (("fluid / (width * width * width) + samples", "1.02 * fluid / (width * width * width) + samples"), 0),
+        (("0.5 * (width + fields::parameters.widest_support)", "0.8 * width"), 2),
+    ] {
+        let scene = wide(dam_break(0.05), 1.6);
+        let mut solver = solver_with(&scene, GpuOptions { patch: Some(patch), ..Default::default() });
+        let found = errors(&mut solver)[index];
+        assert!(found > TOLERANCES[index], "{patch:?} makes an error of {found:e} only");
+    }
+    let named = |solver: &GpuSolver| {
+        let schedule = solver.schedule();
+        [
+            schedule.passes.iter().any(|pass| pass.name == "support"),
+            schedule.buffers.iter().any(|buffer| buffer.name == "widths"),
+            solver.shader("density").unwrap().contains("width"),
+        ]
+    };
+    assert_eq!(named(&solver(&dam_break(0.05))), [false; 3]);
+    assert_eq!(named(&solver(&wide(dam_break(0.05), 1.6))), [true; 3]);
+}
+
 #[test]
 fn near_pressure_repels_as_in_the_reference() {
     let with = |mut scene: FluidScene| {
@@ -381,4 +421,38 @@ fn a_wrong_constant_would_be_noticed() {
         let found = errors(&mut solver)[index];
         assert!(found > TOLERANCES[index], "{patch:?} makes an error of {found:e} only");
     }
+}
+
+/// As in the CPU's `stability_aids`: a gas a seventh as dense as at rest, in which particles have lost each other, with a sound wave as long as the box.
+#[test]
+fn a_thin_gas_carries_sound_with_wider_supports_only() {
+    let wave = |widest_support: f32| {
+        let mut scene = FluidScene {
+            gravity: Vec3::ZERO,
+            periodic: Periodic { x: Some((0.0, 0.8)), y: Some((0.0, 0.4)), z: Some((0.0, 0.4)) },
+            ..FluidScene::with_spacing(0.04 / 1.9)
+        };
+        scene.settings.equation_of_state = Some(EquationOfState::IdealGas { stiffness: 1.0 });
+        scene.settings.expected_speed = Some(0.1);
+        scene.settings.artificial_viscosity = 0.0;
+        scene.settings.widest_support = widest_support;
+        scene.settings.max_particles = Some(2000);
+        let axis = |count: u16| (0..count).map(|i| (f32::from(i) + 0.5) * 0.04);
+        let positions: Vec<Vec3> =
+            axis(20).flat_map(|x| axis(10).flat_map(move |y| axis(10).map(move |z| Vec3::new(x, y, z)))).collect();
+        let start: Vec<Vec3> =
+            positions.iter().map(|x| Vec3::X * 0.02 * (std::f32::consts::TAU * x.x / 0.8).sin()).collect();
+        let ids: Vec<u32> = (0..2000).collect();
+        let mut solver = solver(&scene);
+        place(&mut solver, &ids, &positions, &start);
+        // Half a period, L/2c.
+        for number in 0..4 {
+            solver.step(&tick(number, 0.1)).unwrap();
+        }
+        let velocities = solver.snapshot().unwrap().velocities;
+        let product = |a: &[Vec3]| a.iter().zip(&start).map(|(a, b)| f64::from(a.x * b.x)).sum::<f64>();
+        product(&velocities) / product(&start)
+    };
+    let (without, with) = (wave(1.0), wave(2.0));
+    assert!(without > -0.1 && with < -0.9, "{without} of it left without, {with} with");
 }

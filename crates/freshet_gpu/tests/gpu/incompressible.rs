@@ -266,12 +266,12 @@ fn memory_and_passes_are_those_of_the_plan() {
 }
 
 #[test]
-fn bodies_are_refused_by_name() {
-    let samples = vec![Vec3::ZERO, Vec3::X * 0.04];
-    let bodies = vec![Body { name: "ball".to_owned(), samples, ..Body::default() }];
-    let Ok(plan) = Plan::new(&FluidScene { bodies, ..dam_break() }) else { return };
+fn substeps_are_not_made_again_and_that_is_said() {
+    let mut scene = dam_break();
+    scene.settings.redo_substeps = true;
+    let plan = Plan::new(&scene).unwrap();
     let error = GpuSolver::new(&device().device, &device().queue, plan, GpuOptions::default()).unwrap_err();
-    assert!(matches!(error, SolverError::Unsupported { .. }), "{error}");
+    assert!(matches!(error, SolverError::Unsupported { .. }) && error.to_string().contains("redo_substeps"), "{error}");
 }
 
 /// Those that are gone leave no pressures to those that come, also in buffers that grow.

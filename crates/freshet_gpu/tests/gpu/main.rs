@@ -9,6 +9,7 @@ mod determinism;
 mod drawing;
 mod forces;
 mod incompressible;
+mod incompressible_bodies;
 mod lowering;
 mod pipelined;
 mod reconfigure;

@@ -39,13 +39,23 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
         x
     };
     let distance = |a: Vec3, b: Vec3| difference(a, b).length();
-    let states: Vec<(f64, f64)> = positions
-        .iter()
-        .map(|&a| {
-            let fluid: f64 = positions.iter().map(|&b| kernel.value(distance(a, b))).sum();
-            let walls: f64 =
-                samples.iter().map(|&(b, volume, _)| f64::from(volume) * kernel.value(distance(a, b))).sum();
-            let density = (mass * fluid + rest * walls) / f64::from(p.density_calibration);
+    let of_width = |width: f64| Kernel::new(p.kernel, (f64::from(p.support_radius) * width) as f32).unwrap();
+    let density_with = |a: Vec3, kernel_of: &dyn Fn(usize) -> Kernel| {
+        let fluid: f64 = positions.iter().enumerate().map(|(i, &b)| kernel_of(i).value(distance(a, b))).sum();
+        let walls: f64 = samples.iter().map(|&(b, volume, _)| f64::from(volume) * kernel.value(distance(a, b))).sum();
+        (mass * fluid + rest * walls) / f64::from(p.density_calibration)
+    };
+    // From the formulas of freshet_core::variable_support.
+    let widest = f64::from(p.widest_support);
+    let put_right = |a, width| (rest / density_with(a, &|_| of_width(width))).cbrt().clamp(1.0, widest);
+    let widths: Vec<f64> = match widest > 1.0 {
+        true => positions.iter().map(|&a| (0..4).fold(1.0, |width, _| put_right(a, width))).collect(),
+        false => vec![1.0; positions.len()],
+    };
+    let of_pair = |a: usize, b: usize| of_width(0.5 * (widths[a] + widths[b]));
+    let states: Vec<(f64, f64)> = (0..positions.len())
+        .map(|a| {
+            let density = density_with(positions[a], &|b| of_pair(a, b));
             (density, p.pressure_law.pressure(rest, density))
         })
         .collect();
@@ -58,9 +68,9 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
     };
     let viscosity = f64::from(p.dynamic_viscosity);
     // Morris, Fox & Zhu 1997, eq. 22.
-    let morris = |x: DVec3, v: DVec3, densities: f64| {
+    let morris = |x: DVec3, v: DVec3, densities: f64, slope: f64| {
         let regular = x.length_squared() / (x.length_squared() + 0.01 * h * h);
-        2.0 * viscosity / densities * kernel.derivative_over_r(x.length()) * regular * v
+        2.0 * viscosity / densities * slope * regular * v
     };
     (0..positions.len())
         .map(|a| {
@@ -68,8 +78,8 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
             let term = pressure / (density * density);
             let (mut sum, mut magnitude) = (DVec3::ZERO, p.gravity.as_dvec3().length());
             let (mut resisted, mut repelled, mut friction) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-            let mut add = |factor: f64, x: DVec3| {
-                let part = -factor * kernel.derivative_over_r(x.length()) * x / calibration;
+            let mut add = |factor: f64, x: DVec3, slope: f64| {
+                let part = -factor * slope * x / calibration;
                 sum += part;
                 magnitude += part.length();
             };
@@ -78,7 +88,8 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                 let v = velocities[a].as_dvec3() - velocities[b].as_dvec3();
                 let (other_density, other_pressure) = states[b];
                 let viscous = pi(x, v, 0.5 * (density + other_density));
-                add(mass * (term + other_pressure / (other_density * other_density) + viscous), x);
+                let slope = of_pair(a, b).derivative_over_r(x.length());
+                add(mass * (term + other_pressure / (other_density * other_density) + viscous), x, slope);
                 // Clavet et al. 2005 and Pirovano 2011: W = 105/(4 pi H^7) (H - r)^4.
                 let (r, radius) = (x.length(), f64::from(p.support_radius));
                 let left = (radius - r).max(0.0);
@@ -87,7 +98,7 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                 repelled += part;
                 friction += part.length();
                 if viscosity > 0.0 {
-                    let part = mass * morris(x, v, density * other_density) / f64::from(p.viscous_calibration);
+                    let part = mass * morris(x, v, density * other_density, slope) / f64::from(p.viscous_calibration);
                     resisted += part;
                     friction += part.length();
                 }
@@ -98,7 +109,7 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                 let x = difference(positions[a], b);
                 let dragged = viscous && viscosity == 0.0;
                 let drag = if dragged { pi(x, velocities[a].as_dvec3(), density) } else { 0.0 };
-                add(rest * f64::from(volume) * (term + drag), x);
+                add(rest * f64::from(volume) * (term + drag), x, kernel.derivative_over_r(x.length()));
                 if viscous {
                     let weight = -f64::from(volume) * kernel.derivative_over_r(x.length());
                     strength += weight;

@@ -195,6 +195,14 @@ mod tests {
     }
 
     #[test]
+    fn decades_are_equal_steps_with_a_text_at_whole_ones() {
+        let place = |x| Scale::Decades.place(x);
+        assert!((place(1e-4) - place(1e-6) - 2.0).abs() < 1e-12);
+        let labels = [1e-5, 0.01, 100.0, 3.0].map(|value| Scale::Decades.label(place(value)));
+        assert_eq!(labels, ["1e-5", "0.01", "100", ""]);
+    }
+
+    #[test]
     fn ticks_are_plain() {
         assert_eq!(tick(0.300_000_000_000_000_04), "0.3");
         assert_eq!(tick(-0.0), "0");

@@ -54,6 +54,8 @@ pub enum Scale {
     Linear,
     /// Equal steps double; for positive values, those from 1,024 on written in units of it: `4K`.
     Doubling,
+    /// Equal steps multiply by ten; for positive values, with a text at whole powers of ten only.
+    Decades,
 }
 
 impl Scale {
@@ -62,6 +64,7 @@ impl Scale {
         match self {
             Scale::Linear => value,
             Scale::Doubling => value.log2(),
+            Scale::Decades => value.log10(),
         }
     }
 
@@ -73,6 +76,9 @@ impl Scale {
                 value if value < 1024.0 => format!("{}", value.round()),
                 value => format!("{}K", (value / 1024.0 * 10.0).round() / 10.0),
             },
+            Scale::Decades if (place - place.round()).abs() > 1e-6 => String::new(),
+            Scale::Decades if (-3.5..3.5).contains(&place) => draw::tick(10f64.powf(place.round())),
+            Scale::Decades => format!("1e{}", place.round()),
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::verdict::Verdict;
 
 pub mod bench;
 pub mod column;
+pub mod convergence;
 pub mod dam_break;
 pub mod float;
 pub mod leaks;
@@ -23,6 +24,7 @@ pub mod validate;
 pub enum Command {
     DamBreak(dam_break::DamBreakArgs),
     Column(column::ColumnArgs),
+    Convergence(convergence::ConvergenceArgs),
     Float(float::FloatArgs),
     Leaks(leaks::LeaksArgs),
     Validate(validate::ValidateArgs),
@@ -38,6 +40,7 @@ impl Command {
         match self {
             Command::DamBreak(args) => Some(&args.common),
             Command::Column(args) => Some(&args.common),
+            Command::Convergence(args) => Some(&args.common),
             Command::Float(args) => Some(&args.common),
             Command::Leaks(args) => Some(&args.common),
             Command::Validate(args) => (!args.list).then_some(&args.common),
@@ -58,6 +61,7 @@ impl Command {
         match self {
             Command::DamBreak(args) => dam_break::run(args),
             Command::Column(args) => column::run(args),
+            Command::Convergence(args) => convergence::run(args),
             Command::Float(args) => float::run(args),
             Command::Leaks(args) => leaks::run(args),
             Command::Validate(args) => validate::run(args),

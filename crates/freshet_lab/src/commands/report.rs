@@ -38,7 +38,7 @@ struct Section {
 }
 
 /// In the order of the page; the cases of `validate` come after these.
-const SECTIONS: [Section; 9] = [
+const SECTIONS: [Section; 10] = [
     Section {
         stem: "dam_break",
         head: "Dam break",
@@ -53,6 +53,11 @@ const SECTIONS: [Section; 9] = [
         stem: "column",
         head: "Column at rest",
         about: "Pressure on the floor, weight on the container, level and speed of water that should do nothing.",
+    },
+    Section {
+        stem: "convergence",
+        head: "Pressure solves",
+        about: "What the incompressible solver leaves against iterations and time, beside relaxed Jacobi steps.",
     },
     Section { stem: "float", head: "Floating ball", about: "A ball of half the density of water against Archimedes." },
     Section {

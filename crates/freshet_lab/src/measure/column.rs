@@ -41,6 +41,29 @@ pub fn floor_pressure(
     Some(pressure + f64::from(rest_density) * f64::from(gravity) * height)
 }
 
+/// How far from a wall the first layer of fluid stands, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    /// Mean distance of the layer's centres.
+    pub mean: f64,
+    /// Standard deviation of the distances.
+    pub spread: f64,
+}
+
+/// The gap between a wall and the layer of the `per_layer` particles nearest to it, from the distances of all, m; those beyond the
+/// wall are negative. None with fewer particles.
+pub fn gap(distances: &[f64], per_layer: usize) -> Option<Gap> {
+    let mut nearest = distances.to_vec();
+    if per_layer == 0 || nearest.len() < per_layer {
+        return None;
+    }
+    nearest.select_nth_unstable_by(per_layer - 1, f64::total_cmp);
+    let layer = &nearest[..per_layer];
+    let mean_distance = mean(layer.iter().copied())?;
+    let variance = mean(layer.iter().map(|distance| (distance - mean_distance).powi(2)))?;
+    Some(Gap { mean: mean_distance, spread: variance.sqrt() })
+}
+
 /// Pressure against height in a fluid at rest, over bins of a given thickness above a floor at height zero.
 ///
 /// A bin's pressure is the mean over the particles in it, and its height the mean of theirs, so that a linear profile is found as
@@ -147,6 +170,21 @@ mod tests {
         let off = low.deviation(reference);
         assert!(off.is_some_and(|off| (off - 981.0 * 1.33_f64.sqrt()).abs() < 0.1), "{off:?}");
         assert_eq!(PressureProfile::new(1.0, 0.3).deviation(reference), None);
+    }
+
+    #[test]
+    fn the_gap_is_that_of_the_nearest_layer_alone() {
+        let heights: Vec<f64> = column().iter().map(|x| x.y.into()).collect();
+        let found = gap(&heights, 100);
+        assert!(found.is_some_and(|gap| (gap.mean - 0.05).abs() < 1e-6 && gap.spread < 1e-6), "{found:?}");
+        // Half of the layer is 0.02 higher and half 0.02 lower.
+        let rough = heights.iter().enumerate().map(|(i, y)| if i % 2 == 0 { y + 0.02 } else { y - 0.02 });
+        let found = gap(&rough.collect::<Vec<_>>(), 100);
+        assert!(
+            found.is_some_and(|gap| (gap.mean - 0.05).abs() < 1e-6 && (gap.spread - 0.02).abs() < 1e-6),
+            "{found:?}"
+        );
+        assert_eq!(gap(&heights, 2001), None);
     }
 
     #[test]

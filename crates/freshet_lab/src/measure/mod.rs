@@ -5,6 +5,7 @@ pub mod compression;
 pub mod containment;
 pub mod crowding;
 pub mod curve;
+pub mod density_rates;
 pub mod front;
 pub mod machine;
 pub mod reference_error;

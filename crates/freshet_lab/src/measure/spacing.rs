@@ -21,7 +21,8 @@ pub fn nearest_distances(positions: &[Vec3], reach: f32) -> Vec<f32> {
     nearest
 }
 
-fn visit_pairs(positions: &[Vec3], reach: f32, mut visit: impl FnMut(usize, usize, f32)) {
+/// Calls for each pair up to `reach` apart, once, with its indices and its distance, m.
+pub fn visit_pairs(positions: &[Vec3], reach: f32, mut visit: impl FnMut(usize, usize, f32)) {
     let cell_of = |position: Vec3| (position / reach).floor().as_ivec3();
     let mut cells: HashMap<IVec3, Vec<usize>> = HashMap::new();
     for (b, &position) in positions.iter().enumerate() {

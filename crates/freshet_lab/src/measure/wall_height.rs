@@ -2,26 +2,20 @@
 
 use glam::Vec3;
 
-/// Thickness of the strip at the wall whose particles count, in spacings: two layers of particles that stand in order.
-pub const STRIP_IN_SPACINGS: f32 = 2.0;
+/// Thickness of the strip at the wall whose particles count, in spacings: two supports of the kernel.
+pub const STRIP_IN_SPACINGS: f32 = 4.0;
 
-/// Height of the fluid above a floor at y = 0, in a strip two spacings thick at the wall x = 0, m: the height up to which
-/// there is still fluid over half of the strip's floor.
+/// Height of the fluid above a floor at y = 0, in a strip four spacings thick at the wall x = 0, m: the volume of the
+/// strip's particles over its floor. `depth_in_spacings` is the strip's extent along z.
 ///
-/// A full layer of the strip is [`STRIP_IN_SPACINGS`] times `depth_in_spacings` particles. The height is that of the centre
-/// of the particle that has half a layer at or above it, plus half a spacing, as a particle stands for the fluid half a
-/// spacing around its centre. It is so the median of the highest layer: exact for a block, between the troughs and the
-/// crests of a rough surface, and blind for droplets and for a film on the wall of fewer particles than half a layer. With
-/// fewer particles than that in the strip there is no column: zero.
+/// A wall is a line of symmetry, the surface meets it level: over the strip it is as high as at the wall, up to second order.
+/// By volume, a film one particle thick counts as what it is, and a surface of disordered particles is not taken for as high
+/// as its crests. The strip is thick enough that the layers of particles beside the wall, which lie nearer to each other
+/// than a spacing, do not show; its outer edge is a slope from three to five spacings, so that no whole layer leaves it at once.
 pub fn wall_height(positions: &[Vec3], depth_in_spacings: usize, spacing: f32) -> f64 {
-    let half_layer = (STRIP_IN_SPACINGS as usize * depth_in_spacings / 2).max(1);
-    let strip = positions.iter().filter(|position| position.x < STRIP_IN_SPACINGS * spacing);
-    let mut heights: Vec<f32> = strip.map(|position| position.y).collect();
-    if heights.len() < half_layer {
-        return 0.0;
-    }
-    let (_, &mut height, _) = heights.select_nth_unstable_by(half_layer - 1, |a, b| b.total_cmp(a));
-    f64::from(height) + f64::from(spacing) / 2.0
+    let share = |position: &Vec3| f64::from(((STRIP_IN_SPACINGS + 1.0 - position.x / spacing) / 2.0).clamp(0.0, 1.0));
+    let inside: f64 = positions.iter().map(share).sum();
+    inside * f64::from(spacing) / (f64::from(STRIP_IN_SPACINGS) * depth_in_spacings as f64)
 }
 
 #[cfg(test)]
@@ -51,24 +45,24 @@ mod tests {
 
     #[test]
     fn what_stands_farther_from_the_wall_does_not_count() {
-        let mut positions = block(12, 4);
-        positions.extend(block(12, 9).into_iter().filter(|position| position.x > 0.2));
-        assert_height(&positions, 0.4);
-    }
-
-    #[test]
-    fn droplets_do_not_count_until_they_cover_half_of_the_strip() {
-        let mut positions = block(12, 4);
-        positions.extend([Vec3::new(0.05, 3.0, 0.5); 9]);
-        assert_height(&positions, 0.4);
-        positions.push(Vec3::new(0.05, 3.0, 0.5));
-        assert_height(&positions, 3.05);
-    }
-
-    #[test]
-    fn half_a_layer_is_the_least_there_can_be() {
-        assert_height(&[Vec3::new(0.05, 0.05, 0.5); 10], 0.1);
-        assert_height(&[Vec3::new(0.05, 0.05, 0.5); 9], 0.0);
+        let mut positions = block(12, 5);
+        positions.extend(block(12, 9).into_iter().filter(|position| position.x > 0.5));
+        assert_height(&positions, 0.5);
         assert_height(&[], 0.0);
+    }
+
+    #[test]
+    fn the_outer_edge_is_a_slope_from_three_to_five_spacings() {
+        for (x, share) in [(0.29, 1.0), (0.35, 0.75), (0.4, 0.5), (0.45, 0.25), (0.51, 0.0)] {
+            assert_height(&[Vec3::new(x, 0.0, 0.0)], share * 0.1 / (4.0 * DEPTH as f64));
+        }
+    }
+
+    #[test]
+    fn a_film_on_the_wall_counts_by_its_volume() {
+        // One particle thick, four spacings high: a quarter of the strip's thickness.
+        let mut positions = block(12, 5);
+        positions.extend(block(1, 9).into_iter().filter(|position| position.y > 0.5));
+        assert_height(&positions, 0.5 + 0.4 / 4.0);
     }
 }

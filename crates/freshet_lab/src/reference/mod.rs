@@ -8,5 +8,6 @@ pub mod lobovsky_2014;
 pub mod martin_moyce_1952;
 pub mod pirovano_2011;
 pub mod poiseuille;
+pub mod potential_flow;
 pub mod published_time;
 pub mod taylor_green;

@@ -11,8 +11,8 @@ pub const BASE: f64 = 0.25;
 pub const DEPTH: f64 = 0.5;
 /// Distance of particles, m.
 pub const SPACING: f64 = 0.025;
-/// Height of the container's walls, m.
-const WALLS: f64 = 0.65;
+/// Height of the container's walls over the depth of the water.
+const FREEBOARD: f64 = 1.3;
 /// Particles of a layer.
 pub const PER_LAYER: usize = 100;
 
@@ -46,8 +46,12 @@ impl Container {
     }
 }
 
+fn walls(depth: f64) -> f32 {
+    (depth * FREEBOARD) as f32
+}
+
 fn center() -> Vec3 {
-    Vec3::new(0.0, WALLS as f32 / 2.0, 0.0)
+    Vec3::new(0.0, walls(DEPTH) / 2.0, 0.0)
 }
 
 /// 2,000 particles in an open container whose floor is at y = 0.
@@ -57,22 +61,27 @@ pub fn scene(container: Container) -> Result<FluidScene, SceneError> {
 
 /// The same depth of water on a square base of another edge and of another spacing, m.
 pub fn scene_of(container: Container, base: f32, spacing: f32) -> Result<FluidScene, SceneError> {
-    let column = Vec3::new(base, DEPTH as f32, base);
-    let size = Vec3::new(base, WALLS as f32, base);
-    let mut scene = FluidScene {
-        name: "column".to_owned(),
-        volumes: vec![Volume::block(column / 2.0, Vec3::new(0.0, column.y / 2.0, 0.0))],
-        ..FluidScene::with_spacing(spacing)
-    };
-    match container {
-        Container::Walls => scene.boundaries.push(Boundary::open_box(size, center())),
-        Container::Body => {
-            let open = [false, false, false, true, false, false];
-            let samples = scene.wall_layer()?.container(size / 2.0, open)?;
-            scene.bodies.push(Body { name: "container".to_owned(), samples, ..Body::default() });
-        }
+    let mut scene = walled(base, DEPTH, spacing);
+    if container == Container::Body {
+        scene.boundaries.clear();
+        let open = [false, false, false, true, false, false];
+        let size = Vec3::new(base, walls(DEPTH), base);
+        let samples = scene.wall_layer()?.container(size / 2.0, open)?;
+        scene.bodies.push(Body { name: "container".to_owned(), samples, ..Body::default() });
     }
     Ok(scene)
+}
+
+/// Water of any depth between walls; base, depth and spacing in m, the floor at y = 0.
+pub fn walled(base: f32, depth: f64, spacing: f32) -> FluidScene {
+    let column = Vec3::new(base, depth as f32, base);
+    let size = Vec3::new(base, walls(depth), base);
+    FluidScene {
+        name: "column".to_owned(),
+        volumes: vec![Volume::block(column / 2.0, Vec3::new(0.0, column.y / 2.0, 0.0))],
+        boundaries: vec![Boundary::open_box(size, Vec3::new(0.0, size.y / 2.0, 0.0))],
+        ..FluidScene::with_spacing(spacing)
+    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 const SAME_STRETCH: f32 = 1e-5;
 
 /// Whether two stretches differ by rounding only.
-pub(super) fn is_same_stretch(a: Mat3, b: Mat3) -> bool {
+pub(crate) fn is_same_stretch(a: Mat3, b: Mat3) -> bool {
     let limit = SAME_STRETCH * largest(b);
     // A comparison with not-a-number is false: it is like nothing.
     (a - b).to_cols_array().iter().all(|difference| difference.abs() <= limit)

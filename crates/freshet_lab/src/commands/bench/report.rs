@@ -1,5 +1,6 @@
 //! CSV and chart of the benchmark.
 
+use super::flatness::{self, FlatRun};
 use super::simulate::OPENING;
 use super::tables::{pass, pass_names, plural_threads, shown};
 use super::{BenchScene, Configuration, Run, Skipped, nanoseconds, opening_nanoseconds, over, threads_of};
@@ -20,6 +21,8 @@ pub struct Results {
     pub runs: Vec<Run>,
     /// What the budget left out.
     pub skipped: Vec<Skipped>,
+    /// Sizes of the tank in turn.
+    pub flat: Vec<FlatRun>,
     /// What the machine does, for every number of threads.
     pub rates: Vec<Rates>,
 }
@@ -69,6 +72,9 @@ impl Results {
 pub fn write(output: &Output, results: &Results) -> Result<(), LabError> {
     output.write(FILES[0], csv(results).text())?;
     chart::draw(output, FILES[1], &chart(results))?;
+    if !results.flat.is_empty() {
+        output.write(flatness::FILE, flatness::csv(&results.flat).text())?;
+    }
     Ok(())
 }
 
@@ -76,8 +82,8 @@ pub fn write(output: &Output, results: &Results) -> Result<(), LabError> {
 const COLUMNS: &str = "\
 Freshet's speed: `cargo run --release -p freshet_lab -- bench`; a row a run. Times are of the stepping alone; nothing is drawn.
 particles: asked for; scene_particles: what the scene has of them. substeps: how many were timed, over simulated_s.
-ns_per_particle_step: wall_s over substeps and particles; opening_ns: the same over the first 0.1 s or less, by which sizes are
-compared.
+ns_per_particle_step: wall_s over substeps and particles; opening_ns: the same over the first 0.1 s or less. Sizes ran one after
+the other, minutes apart: what a step costs over sizes is in bench_flat.csv.
 flop_per_particle_step, bytes_per_particle_step: counted from the schedule, with the neighbours of water at rest.
 of_multiply_adds, of_copies: these per second, as fractions of what the machine was measured to do on as many threads;
 empty for a GPU that is no program on the processor. bytes_per_particle: memory, with the grid; bytes: of all buffers.

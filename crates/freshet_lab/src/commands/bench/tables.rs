@@ -1,5 +1,6 @@
 //! Tables of the benchmark.
 
+use super::flatness;
 use super::report::Results;
 use super::{BenchScene, Configuration, Run, nanoseconds, opening_nanoseconds};
 use crate::backend::Backend;
@@ -21,6 +22,9 @@ pub fn print(results: &Results) {
     say(flow(results));
     if results.configurations().iter().any(|configuration| !configuration.scene.published().is_empty()) {
         say(published(results));
+    }
+    if !results.flat.is_empty() {
+        say(flatness::table(&results.flat));
     }
     for skipped in &results.skipped {
         say(format_args!("skipped: {skipped}"));

@@ -8,7 +8,7 @@ use crate::error::LabError;
 use crate::measure::containment::escaped;
 use crate::measure::curve::Curve;
 use crate::measure::front::front;
-use crate::measure::reference_error::{LARGEST_SHIFT, ReferenceError};
+use crate::measure::reference_error::{LARGEST_SHIFT, Measure, ReferenceError};
 use crate::measure::wall_height::wall_height;
 use crate::method::Method;
 use crate::progress::Progress;
@@ -40,13 +40,15 @@ pub struct Run {
     pub account: Account,
 }
 
-/// How far the height of a column is from the experiment's.
+/// How far the height of a column is from the experiment's, over all measured points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightError {
-    /// As it is, and with the shift of the clock that is best for it, over all measured points.
+    /// In units of the height at the start, as it is, and with the shift of the clock that is best for it.
     pub error: ReferenceError,
     /// Root mean square with the shift that is best for the front: one clock for both.
     pub rms_with_shift_of_front: f64,
+    /// Over what is left of the height.
+    pub relative: ReferenceError,
 }
 
 impl HeightError {
@@ -54,8 +56,15 @@ impl HeightError {
     pub fn between(experiment: &DamBreakExperiment, height: &Curve, shift_of_front: f64) -> Option<Self> {
         let (points, all) = (experiment.heights_over_time(), (0.0, f64::INFINITY));
         Some(Self {
-            error: ReferenceError::between(height, &points, all)?,
-            rms_with_shift_of_front: ReferenceError::with_shift(height, &points, all, shift_of_front)?,
+            error: ReferenceError::between(height, &points, all, Measure::InUnits)?,
+            rms_with_shift_of_front: ReferenceError::with_shift(
+                height,
+                &points,
+                all,
+                Measure::InUnits,
+                shift_of_front,
+            )?,
+            relative: ReferenceError::between(height, &points, all, Measure::Relative)?,
         })
     }
 }
@@ -94,7 +103,8 @@ pub fn simulate(
         sample(drive.time(), &drive.positions()?)?;
         progress.at(f64::from(index) / f64::from(samples));
     }
-    let error = ReferenceError::between(&fronts, experiment.points, experiment.window).ok_or_else(|| {
+    let error = ReferenceError::between(&fronts, experiment.points, experiment.window, Measure::Relative);
+    let error = error.ok_or_else(|| {
         let reason = format!("the run ended at T = {:.3}, before the last point", drive.time() / unit);
         LabError::Measure { what: "the error of the front", reason }
     })?;

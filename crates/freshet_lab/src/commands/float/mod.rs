@@ -47,7 +47,7 @@ pub struct FloatArgs {
     /// Time to simulate, s, 3 to 600 [default: 20; quick: 4].
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
-    /// How pressure is found. Files of another method than the default have its name; the GPU is left out where it cannot.
+    /// How pressure is found. Files of another method than the default have its name.
     #[arg(long, value_enum, default_value_t)]
     pub method: Method,
 }
@@ -161,10 +161,6 @@ impl FloatArgs {
         let seconds = self.seconds.unwrap_or(if quick { 4.0 } else { 20.0 });
         let mut cases = Vec::new();
         for &backend in self.common.backends(BackendChoice::Both) {
-            if backend == Backend::Gpu && self.method == Method::DivergenceFree {
-                say("left out: the GPU, which has no DFSPH with bodies yet");
-                continue;
-            }
             let count = if backend == Backend::Gpu { 1 } else { pools.len() };
             for &pool in &pools[..count] {
                 cases.extend(latencies.iter().map(|&latency| Case {

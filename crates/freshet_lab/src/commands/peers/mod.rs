@@ -18,7 +18,7 @@ use crate::backend::Backend;
 use crate::error::LabError;
 use crate::measure::crowding::{Crowding, Tank};
 use crate::measure::front::front;
-use crate::measure::statistics::mean;
+use crate::measure::statistics::{mean, median};
 use crate::method::Method;
 use crate::options::{BackendChoice, CommonOptions};
 use crate::output::{Output, say, say_files};
@@ -33,7 +33,9 @@ use crate::verdict::{Bound, Verdict};
 /// stepping alone. Front and compression are computed here from the positions that each delivers, by one cubic-spline sum
 /// with the tank's outside thought full of water at rest. All start from the same lattice with the same mass.
 ///
-/// Bounds, of Freshet only: less than 1 % of the volume and no particle lost, time kept to 0.1 %. Writes peers.csv (a row a run) and peers.svg.
+/// Bounds, of Freshet only: less than 1 % of the volume and no particle lost, time kept to 0.1 %; of its incompressible solver also the 99th percentile of
+/// the compression below 1 % and, where SPlisHSPlasH's DFSPH ran, at most its mean compression and half of its time (medians). Writes peers.csv (a
+/// row a run) and peers.svg.
 #[derive(Args, Clone, Debug)]
 pub struct PeersArgs {
     /// Options every command has.
@@ -250,7 +252,29 @@ fn verdict(runs: &[Run]) -> Verdict {
         verdict.check(name("particles lost"), lost, "", Bound::AtMost(0.0));
         verdict.check(name("time scale"), time_scale, "", Bound::AtLeast(0.999));
     }
+    compare(runs, &mut verdict);
     verdict
+}
+
+/// The incompressible solvers, medians over the repeats.
+fn compare(runs: &[Run], verdict: &mut Verdict) {
+    let median_of = |peer: Peer, value: fn(&Run) -> f64| {
+        median(&runs.iter().filter(|run| run.peer == peer).map(value).collect::<Vec<_>>())
+    };
+    let ours = Peer::Freshet(Backend::Cpu, Method::DivergenceFree);
+    let theirs = Peer::Splishsplash { method: "DFSPH" };
+    let name = |what: &str| format!("Freshet, {}: {what}", ours.settings());
+    if let Some(highest) = median_of(ours, |run| run.crowding.percentile_99) {
+        verdict.check(name("99th percentile of the compression"), highest, "%", Bound::Below(1.0));
+    }
+    if let (Some(mean), Some(allowed)) =
+        (median_of(ours, |run| run.crowding.mean), median_of(theirs, |run| run.crowding.mean))
+    {
+        verdict.check(name("mean compression, SPlisHSPlasH's allowed"), mean, "%", Bound::AtMost(allowed));
+    }
+    if let (Some(own), Some(other)) = (median_of(ours, Run::cost), median_of(theirs, Run::cost)) {
+        verdict.check(name("times as fast as SPlisHSPlasH"), other / own, "x", Bound::AtLeast(2.0));
+    }
 }
 
 #[cfg(test)]
@@ -291,5 +315,21 @@ mod tests {
         for kept in [slow, lossy, None] {
             assert!(!verdict(&[Run { kept, ..run.clone() }]).passes(), "{kept:?}");
         }
+    }
+
+    #[test]
+    fn incompressible_solvers_are_compared() {
+        let ours = Peer::Freshet(Backend::Cpu, Method::DivergenceFree);
+        let passes = |seconds, mean, percentile_99| {
+            let mut own = measured_run(ours, 1, 0.4);
+            own.crowding = Crowding { mean, percentile_99, ..own.crowding };
+            let mut other = measured_run(Peer::Splishsplash { method: "DFSPH" }, 1, seconds);
+            other.crowding.mean = 0.08;
+            verdict(&[own, other]).passes()
+        };
+        assert!(passes(0.81, 0.079, 0.99));
+        assert!(!passes(0.79, 0.079, 0.99), "slower than half");
+        assert!(!passes(0.81, 0.081, 0.99), "more compressed");
+        assert!(!passes(0.81, 0.079, 1.01), "some more compressed");
     }
 }

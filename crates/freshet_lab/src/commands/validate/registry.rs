@@ -52,7 +52,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 12] = [
+pub const CASES: [&Case; 14] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -61,6 +61,8 @@ pub const CASES: [&Case; 12] = [
     &cases::taylor_green::CASE,
     &cases::hydrostatic::CASE,
     &cases::hydrostatic::DIVERGENCE_FREE,
+    &cases::deep_column::CASE,
+    &cases::deep_column::DIVERGENCE_FREE,
     &cases::commands::COLUMN,
     &cases::commands::FLOAT,
     &cases::commands::DAM_BREAK,

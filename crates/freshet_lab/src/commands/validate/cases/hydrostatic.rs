@@ -2,11 +2,12 @@
 
 use freshet_core::field::Field;
 use freshet_core::plan::Plan;
+use glam::Vec3;
 
 use super::super::{Case, Job, Level, Study, Trace};
 use crate::drive::Drive;
 use crate::error::LabError;
-use crate::measure::column::{PressureProfile, surface_level};
+use crate::measure::column::{Gap, PressureProfile, gap, surface_level};
 use crate::measure::statistics::mean;
 use crate::method::Method;
 use crate::progress::Progress;
@@ -93,20 +94,25 @@ fn simulate(job: &Job, method: Method, resolution: u32, progress: &mut Progress)
     let share = |deviation: Option<f64>| deviation.unwrap_or(f64::NAN) / whole;
     let point = |(height, pressure): (f64, f64)| (1.0 - height / DEPTH, pressure / whole, reference(height) / whole);
     let speed = mean(speeds).unwrap_or(f64::NAN);
+    let gaps = gaps(&drive.positions()?, per_layer);
     Ok(Level {
         resolution,
         particles,
         error: share(all.deviation(reference)),
         traces: vec![Trace { name: "pressure".to_owned(), points: all.points().map(point).collect() }],
-        checks: vec![
-            Check::new(
-                "surface level, furthest from the right one, over d",
-                off_level / spacing,
-                "",
-                Bound::AtMost(0.5),
-            ),
-            Check::new("mean speed at the end", speed * 1000.0, "mm/s", Bound::AtMost(SPEED * 1000.0)),
-        ],
+        checks: gaps
+            .into_iter()
+            .flat_map(|(wall, gap)| gap_checks(wall, gap, spacing))
+            .chain([
+                Check::new(
+                    "surface level, furthest from the right one, over d",
+                    off_level / spacing,
+                    "",
+                    Bound::AtMost(0.5),
+                ),
+                Check::new("mean speed at the end", speed * 1000.0, "mm/s", Bound::AtMost(SPEED * 1000.0)),
+            ])
+            .collect(),
         remarks: vec![format!(
             "a support radius and more from the side walls {:.3} % RMS; single particles {:.3} %",
             100.0 * share(inside.deviation(reference)),
@@ -114,6 +120,28 @@ fn simulate(job: &Job, method: Method, resolution: u32, progress: &mut Progress)
         )],
         account: drive.account().clone(),
     })
+}
+
+/// How far the fluid stands off the floor, and off all four sides together.
+fn gaps(positions: &[Vec3], per_layer: usize) -> [(&'static str, Option<Gap>); 2] {
+    let to_side = |side: Vec3| -> Vec<f64> { positions.iter().map(|x| DEPTH / 2.0 - f64::from(x.dot(side))).collect() };
+    let floor: Vec<f64> = positions.iter().map(|x| f64::from(x.y)).collect();
+    let sides = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| gap(&to_side(side), per_layer));
+    let all: Vec<Gap> = sides.into_iter().flatten().collect();
+    // Of as many each: the mean of all, and the spread about their own means.
+    let of = |value: fn(&Gap) -> f64| mean(all.iter().map(value)).filter(|_| all.len() == 4);
+    let sides = of(|gap| gap.mean).zip(of(|gap| gap.spread.powi(2)));
+    [("floor", gap(&floor, per_layer)), ("sides", sides.map(|(mean, variance)| Gap { mean, spread: variance.sqrt() }))]
+}
+
+/// Fluid stands off a wall by half a spacing.
+fn gap_checks(wall: &str, gap: Option<Gap>, spacing: f64) -> [Check; 2] {
+    let Gap { mean, spread } = gap.unwrap_or(Gap { mean: f64::NAN, spread: f64::NAN });
+    let name = |what: &str| format!("first layer off the {wall}, {what} over d");
+    [
+        Check::new(name("mean distance"), mean / spacing, "", Bound::Within(0.3, 0.7)),
+        Check::new(name("standard deviation"), spread / spacing, "", Bound::AtMost(0.2)),
+    ]
 }
 
 /// Pressure at a height, Pa.

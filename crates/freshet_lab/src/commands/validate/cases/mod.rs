@@ -3,6 +3,7 @@
 mod channel;
 pub mod commands;
 pub mod couette;
+pub mod deep_column;
 pub mod free_flight;
 pub mod hydrostatic;
 pub mod poiseuille;

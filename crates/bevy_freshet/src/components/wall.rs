@@ -1,0 +1,56 @@
+//! What boundaries and containers have in common.
+
+use bevy::prelude::*;
+use freshet_core::scene::Friction;
+
+/// Coulomb's friction between a wall and the fluid that presses on it; formulas stand at [`Friction`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub struct FluidFriction {
+    /// Coefficient of what sticks, from that of what slides to 10.
+    pub at_rest: f32,
+    /// Coefficient of what slides, 0 to 10.
+    pub sliding: f32,
+}
+
+impl FluidFriction {
+    /// Both coefficients the same.
+    pub fn coulomb(coefficient: f32) -> Self {
+        Self { at_rest: coefficient, sliding: coefficient }
+    }
+}
+
+impl From<FluidFriction> for Friction {
+    fn from(FluidFriction { at_rest, sliding }: FluidFriction) -> Self {
+        Self { at_rest, sliding }
+    }
+}
+
+impl From<Friction> for FluidFriction {
+    fn from(Friction { at_rest, sliding }: Friction) -> Self {
+        Self { at_rest, sliding }
+    }
+}
+
+/// What follows from a [`Transform`] that changes in its domain's frame.
+///
+/// A wall that moves pushes the fluid with the velocity of its surface: in each fixed tick it goes from where it was in the tick before
+/// to where it is, straight and turning evenly, and when it stands still it pushes no more. Move it in `FixedUpdate`, before
+/// [`FreshetSystems::Plan`](crate::simulation::sets::FreshetSystems::Plan), or in `FixedPreUpdate`: what is moved once a frame stands still in the frame's other ticks. It is not sampled
+/// anew; its samples are sorted in each substep. Fluid slips along it, and it has no friction.
+///
+/// If it goes farther in a tick than ten times the expected speed allows, and than four support radii, it has been put elsewhere: it is there at once and
+/// pushes nothing on its way. A scale that changes makes another shape of it, which is sampled anew.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidWallMotion {
+    /// It stands until it is moved for the first time. Then the domain is planned anew, once, and from there on it is
+    /// one that moves, for as long as the entity has the component.
+    #[default]
+    Auto,
+    /// It stands: to move it is to put it elsewhere, for which the domain is planned anew each time. It pushes nothing, drags, and may
+    /// have friction.
+    Still,
+    /// It moves, from the start.
+    Moving,
+}

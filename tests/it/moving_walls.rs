@@ -1,0 +1,342 @@
+//! Walls that move push the fluid with their own velocity, and nothing is planned anew while they do.
+
+use std::f32::consts::TAU;
+
+use bevy::mesh::PrimitiveTopology;
+use bevy::prelude::*;
+use bevy_freshet::prelude::*;
+
+use crate::components::positions;
+use crate::harness::{ALL, TestApp};
+
+/// How a wall moves by itself.
+#[derive(Component, Clone, Copy)]
+struct Moves {
+    /// m/s.
+    way: Vec3,
+    /// rad/s about z.
+    turn: f32,
+}
+
+fn moving_app() -> TestApp {
+    TestApp::with(|app| {
+        let step = |time: Res<Time>, mut walls: Query<(&mut Transform, &Moves)>| {
+            let seconds = time.delta_secs();
+            for (mut pose, moves) in &mut walls {
+                pose.translation += seconds * moves.way;
+                pose.rotate_z(seconds * moves.turn);
+            }
+        };
+        app.add_systems(FixedUpdate, step.before(FreshetSystems::Plan));
+    })
+}
+
+const SPACING: f32 = 0.1;
+
+/// A channel 0.5 m wide with a lid, and a block of water of 5 x 4 x 5 particles in it.
+fn channel(test: &mut TestApp, (backend, mode): (FluidBackend, FluidMode)) -> Entity {
+    let mut domain = FluidDomain { count_leaks: true, ..FluidDomain::with_spacing(SPACING).on(backend).in_mode(mode) };
+    domain.settings.expected_speed = Some(6.0);
+    let domain = test.spawn(domain);
+    test.spawn((FluidContainer::closed_box(3.0, 0.5, 0.5), Transform::from_xyz(1.5, 0.25, 0.25)));
+    test.spawn((FluidVolume::from(Cuboid::new(0.5, 0.4, 0.5)), Transform::from_xyz(0.65, 0.2, 0.25)));
+    domain
+}
+
+/// Mean of positions.
+fn mean(points: &[Vec3]) -> Vec3 {
+    points.iter().sum::<Vec3>() / points.len() as f32
+}
+
+/// Mean velocity over the next tick, m/s; reads twice.
+fn velocity(test: &mut TestApp, domain: Entity) -> Vec3 {
+    let before = mean(&positions(test, domain));
+    (mean(&positions(test, domain)) - before) * 64.0
+}
+
+/// Thin walls of any kind that fill the channel's cross section, with their thin side along x.
+fn pistons(test: &mut TestApp) -> Vec<(&'static str, FluidBoundary)> {
+    let slab = Cuboid::new(SPACING, 0.5, 0.5);
+    let mut meshes = test.world().resource_mut::<Assets<Mesh>>();
+    let mesh = meshes.add(Mesh::from(slab));
+    // Open: one rectangle, turned so that it stands across the channel.
+    let mut sheet = Mesh::new(PrimitiveTopology::TriangleList, default());
+    let corners = [[0.0, -0.25, -0.25], [0.0, 0.25, -0.25], [0.0, 0.25, 0.25], [0.0, -0.25, 0.25]];
+    let soup = [0, 1, 2, 0, 2, 3].map(|corner: usize| corners[corner]).to_vec();
+    sheet.insert_attribute(Mesh::ATTRIBUTE_POSITION, soup);
+    let sheet = meshes.add(sheet);
+    vec![
+        ("box", FluidBoundary::from(slab)),
+        ("mesh", FluidBoundary::mesh(mesh.clone())),
+        ("hull", FluidBoundary::convex_hull(mesh)),
+        ("sheet", FluidBoundary::mesh(sheet)),
+    ]
+}
+
+#[test]
+fn a_piston_pushes_fluid_along_and_lets_it_alone_when_it_stops() {
+    for (backend, mode) in ALL {
+        let count = pistons(&mut TestApp::new()).len();
+        for index in 0..count {
+            if mode == FluidMode::Pipelined && index > 0 {
+                continue;
+            }
+            let mut test = moving_app();
+            let domain = channel(&mut test, (backend, mode));
+            let (kind, boundary) = pistons(&mut test).swap_remove(index);
+            let piston = test.spawn((boundary.moving(), Transform::from_xyz(0.25, 0.25, 0.25)));
+            test.tick(8);
+            let start = mean(&positions(&mut test, domain));
+            let plannings = test.stats(domain).plannings;
+            // 1 m at 2 m/s, faster than water waves run away from it in so shallow a channel.
+            let way = Vec3::X * 2.0;
+            test.world().entity_mut(piston).insert(Moves { way, turn: 0.0 });
+            test.tick(31);
+            let pushed = velocity(&mut test, domain);
+            let place = positions(&mut test, domain);
+            let face = test.world().get::<Transform>(piston).unwrap().translation.x;
+            println!("{backend:?} {mode:?} {kind}: {pushed} {} {face}", mean(&place));
+            assert!(pushed.x > 1.2 && pushed.x < 3.0, "{backend:?} {kind}: pushed with 2 m/s, it flows with {pushed}");
+            assert!(mean(&place).x > start.x + 0.7, "{backend:?} {kind}: {} from {start}", mean(&place));
+            let behind = place.iter().filter(|place| place.x < face).count();
+            assert_eq!(behind, 0, "{backend:?} {kind}: particles behind the piston at {face}");
+            // It stops: what it did not throw ahead comes to rest against gravity's level, and nothing is pushed on.
+            test.world().entity_mut(piston).remove::<Moves>();
+            test.tick(64);
+            let later = velocity(&mut test, domain);
+            assert!(later.x < 0.5 * pushed.x, "{backend:?} {kind}: it stands, and the fluid flows with {later}");
+            let stats = test.settle(domain);
+            assert_eq!(stats.plannings, plannings, "{backend:?} {kind}");
+            assert_eq!((stats.leaks, stats.removed, stats.particles), (Some(0), 0, 100), "{backend:?} {kind}");
+            assert!(stats.max_speed < 8.0 && stats.max_compression < 0.2, "{backend:?} {kind}: {stats:?}");
+            test.expect_no_complaints();
+        }
+    }
+}
+
+#[test]
+fn a_wall_that_is_moved_for_the_first_time_is_planned_once() {
+    for choice in [ALL[0], ALL[2]] {
+        let mut test = moving_app();
+        let domain = channel(&mut test, choice);
+        let piston = test.spawn((FluidBoundary::cuboid(SPACING, 0.5, 0.5), Transform::from_xyz(0.25, 0.25, 0.25)));
+        test.tick(8);
+        let before = test.settle(domain).plannings;
+        assert_eq!(before, 1);
+        test.world().entity_mut(piston).insert(Moves { way: Vec3::X * 2.0, turn: 0.0 });
+        test.tick(24);
+        assert_eq!(test.stats(domain).plannings, before + 1, "{choice:?}");
+        let pushed = velocity(&mut test, domain);
+        let front = mean(&positions(&mut test, domain));
+        let stats = test.stats(domain);
+        println!("{choice:?}: {pushed} {front} {stats:?}");
+        assert!(pushed.x > 1.2 && pushed.x < 3.0, "{choice:?}: {pushed}");
+        assert_eq!((stats.leaks, stats.removed), (Some(0), 0), "{choice:?}");
+        // What stands is put elsewhere, each time by a plan, and pushes nothing.
+        test.change::<FluidBoundary>(piston, |wall| wall.motion = FluidWallMotion::Still);
+        test.world().entity_mut(piston).remove::<Moves>();
+        test.tick(2);
+        let before = test.settle(domain).plannings;
+        test.change::<Transform>(piston, |pose| pose.translation.x = 0.2);
+        test.tick(1);
+        test.change::<Transform>(piston, |pose| pose.translation.x = 0.15);
+        test.tick(1);
+        let stats = test.settle(domain);
+        assert_eq!((stats.plannings, stats.leaks), (before + 2, Some(0)), "{choice:?}");
+        test.expect_no_complaints();
+    }
+}
+
+/// Angular momentum of particles of unit mass about the z axis through a centre, m2/s.
+fn swirl(test: &mut TestApp, domain: Entity, center: Vec3) -> f32 {
+    let State { positions, velocities } = state(test, domain);
+    positions.iter().zip(&velocities).map(|(x, v)| (*x - center).cross(*v).z).sum()
+}
+
+/// What was read last.
+#[derive(Resource, Clone, Default)]
+struct State {
+    positions: Vec<Vec3>,
+    velocities: Vec<Vec3>,
+}
+
+fn state(test: &mut TestApp, domain: Entity) -> State {
+    if test.world().get_resource::<State>().is_none() {
+        test.world().init_resource::<State>();
+        test.world().add_observer(|read: On<FluidReadbackComplete>, mut state: ResMut<State>| {
+            let get = |field| read.get(field).cloned().and_then(|data| data.vectors()).unwrap_or_default();
+            state.positions = get(FluidField::Position);
+            state.velocities = get(FluidField::Velocity);
+        });
+    }
+    test.world().entity_mut(domain).insert(FluidReadback::new([FluidField::Position, FluidField::Velocity]));
+    test.settle(domain);
+    test.world().entity_mut(domain).remove::<FluidReadback>();
+    test.world().resource::<State>().clone()
+}
+
+#[test]
+fn a_paddle_stirs_water_the_way_it_turns() {
+    for choice in [ALL[0], ALL[2]] {
+        let mut found = Vec::new();
+        for turn in [4.0, -4.0] {
+            let mut test = moving_app();
+            let mut domain =
+                FluidDomain { count_leaks: true, ..FluidDomain::with_spacing(SPACING).on(choice.0).in_mode(choice.1) };
+            domain.settings.expected_speed = Some(6.0);
+            let domain = test.spawn(domain);
+            test.spawn((FluidContainer::closed_box(1.2, 1.2, 0.6), Transform::from_xyz(0.6, 0.6, 0.3)));
+            test.spawn((FluidVolume::from(Cuboid::new(1.2, 0.8, 0.6)), Transform::from_xyz(0.6, 0.4, 0.3)));
+            let center = Vec3::new(0.6, 0.5, 0.3);
+            let paddle = (FluidBoundary::cuboid(0.7, SPACING, 0.4).moving(), Transform::from_translation(center));
+            test.spawn((paddle, Moves { way: Vec3::ZERO, turn }));
+            // Three quarters of a turn.
+            test.tick((0.75 * TAU / 4.0 * 64.0) as u32);
+            found.push(swirl(&mut test, domain, center));
+            let stats = test.settle(domain);
+            assert_eq!((stats.plannings, stats.leaks, stats.removed), (1, Some(0), 0), "{choice:?} {stats:?}");
+            assert!(stats.max_speed < 8.0, "{choice:?} {stats:?}");
+            // Particles of the start that are in the paddle are left out, and said to be.
+            let complaints = test.complaints();
+            assert!(complaints.iter().all(|said| said.message.contains("left out")), "{complaints:?}");
+        }
+        println!("{choice:?}: {found:?}");
+        let &[with, against] = found.as_slice() else { panic!("two ways") };
+        // The paddle's ends make 1.4 m/s; of 500 particles those in its circle, at half of that half way out, have some tens of m2/s.
+        assert!(with > 10.0 && against < -10.0, "{choice:?}: {with} {against}");
+    }
+}
+
+#[test]
+fn a_cup_carries_water_tilts_and_pours_it_out() {
+    for choice in [ALL[0], ALL[2]] {
+        let mut test = moving_app();
+        let mut domain =
+            FluidDomain { count_leaks: true, ..FluidDomain::with_spacing(0.05).on(choice.0).in_mode(choice.1) };
+        domain.settings.expected_speed = Some(5.0);
+        let domain = test.spawn(domain);
+        test.spawn((FluidVolume::from(Cuboid::new(0.3, 0.3, 0.3)), Transform::from_xyz(0.0, -0.05, 0.0)));
+        let shape = FluidBoundaryShape::Cup { radius: 0.25, half_height: 0.25, thickness: 0.05 };
+        let cup = test.spawn((FluidBoundary::new(shape).moving(), Transform::default()));
+        test.tick(8);
+        let particles = test.settle(domain).particles;
+        // It is carried to the side and up, a third of a second.
+        test.world().entity_mut(cup).insert(Moves { way: Vec3::new(1.0, 0.5, 0.0), turn: 0.0 });
+        test.tick(21);
+        let center = test.world().get::<Transform>(cup).unwrap().translation;
+        let held = positions(&mut test, domain);
+        let inside = held.iter().filter(|at| (**at - center).xz().length() < 0.25 && at.y > center.y - 0.26).count();
+        assert!(inside as u32 > particles * 9 / 10, "{choice:?}: {inside} of {particles} are in the cup");
+        assert!(center.x > 0.3 && mean(&held).x > 0.25, "{choice:?}: {center} {}", mean(&held));
+        // It is turned upside down within half a second, and empties.
+        test.world().entity_mut(cup).insert(Moves { way: Vec3::ZERO, turn: TAU });
+        test.tick(32);
+        test.world().entity_mut(cup).remove::<Moves>();
+        test.tick(24);
+        let poured = positions(&mut test, domain);
+        let center = test.world().get::<Transform>(cup).unwrap().translation;
+        let above = poured.iter().filter(|at| at.y > center.y + 0.3).count();
+        assert_eq!(above, 0, "{choice:?}: none is left above the bottom of a cup that is upside down");
+        assert!(mean(&poured).y < center.y - 0.3, "{choice:?}: {} {center}", mean(&poured));
+        let stats = test.settle(domain);
+        assert_eq!((stats.plannings, stats.leaks, stats.particles), (1, Some(0), particles), "{choice:?} {stats:?}");
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn a_wall_that_is_put_elsewhere_or_scaled_does_not_throw_the_fluid() {
+    for choice in ALL {
+        let mut test = moving_app();
+        let domain = channel(&mut test, choice);
+        let mesh = test.world().resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::new(0.1, 0.3, 0.3)));
+        let wall = test.spawn((FluidBoundary::mesh(mesh).moving(), Transform::from_xyz(1.5, 0.25, 0.25)));
+        test.tick(12);
+        let plannings = test.settle(domain).plannings;
+        // Over the water to its other side: 1.5 m in a tick.
+        test.change::<Transform>(wall, |pose| pose.translation.x = 2.9);
+        test.tick(4);
+        let stats = test.settle(domain);
+        assert_eq!((stats.plannings, stats.leaks), (plannings, Some(0)), "{choice:?}");
+        // Another scale is another shape: planned once.
+        test.change::<Transform>(wall, |pose| pose.scale = Vec3::new(1.0, 0.5, 0.5));
+        test.tick(6);
+        let stats = test.settle(domain);
+        assert_eq!((stats.plannings, stats.leaks), (plannings + 1, Some(0)), "{choice:?}");
+        assert!(stats.max_speed < 6.0, "{choice:?}: {stats:?}");
+        test.expect_no_complaints();
+        // One without volume is refused, once, and the fluid goes on without the wall.
+        test.change::<Transform>(wall, |pose| pose.scale = Vec3::ZERO);
+        test.tick(6);
+        let complaints = test.complaints();
+        assert_eq!(complaints.len(), 1, "{choice:?}: {complaints:?}");
+        assert_eq!((complaints[0].entity, complaints[0].component), (wall, "FluidBoundary"));
+        assert!(complaints[0].message.contains("scale"), "{complaints:?}");
+        // It is back.
+        test.change::<Transform>(wall, |pose| pose.scale = Vec3::ONE);
+        test.tick(6);
+        let stats = test.settle(domain);
+        assert_eq!((stats.plannings, stats.leaks), (plannings + 3, Some(0)), "{choice:?}");
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn what_goes_through_a_wall_is_counted() {
+    for choice in [ALL[0], ALL[2]] {
+        // Water thrown at a plate by 40,000 times the speed that was expected: its pressure holds nothing.
+        let mut test = moving_app();
+        let mut domain =
+            FluidDomain { count_leaks: true, ..FluidDomain::with_spacing(SPACING).on(choice.0).in_mode(choice.1) };
+        domain.gravity = Some(Vec3::ZERO);
+        domain.settings.expected_speed = Some(1e-3);
+        domain.settings.bounds = Some((Vec3::splat(-50.0), Vec3::splat(50.0)));
+        let domain = test.spawn(domain);
+        let thrown = FluidVolume::from(Cuboid::new(0.5, 0.5, 0.5)).with_velocity(Vec3::NEG_Y * 40.0);
+        test.spawn((thrown, Transform::from_xyz(0.0, 1.0, 0.0)));
+        test.spawn((FluidBoundary::cuboid(3.0, SPACING, 3.0), Transform::default()));
+        test.tick(16);
+        let stats = test.settle(domain);
+        let below = positions(&mut test, domain).iter().filter(|at| at.y < -0.2).count() as u64;
+        println!("{choice:?}: {:?} of {} leaked, {below} are below {stats:?}", stats.leaks, stats.particles);
+        test.expect_no_complaints();
+        assert!(below > 30, "{choice:?}: {below}");
+        assert!(
+            stats.leaks.is_some_and(|leaks| leaks >= below && leaks <= 125),
+            "{choice:?}: {:?} {below}",
+            stats.leaks
+        );
+        // Who does not ask is told nothing.
+        test.change::<FluidDomain>(domain, |domain| domain.count_leaks = false);
+        assert_eq!(test.settle(domain).leaks, None);
+    }
+}
+
+#[test]
+fn a_count_that_begins_when_a_cup_has_been_carried_away_counts_nothing_that_stays_in_it() {
+    for choice in [ALL[0], ALL[2]] {
+        let mut test = moving_app();
+        let mut domain = FluidDomain::with_spacing(0.05).on(choice.0).in_mode(choice.1);
+        domain.settings.expected_speed = Some(5.0);
+        let domain = test.spawn(domain);
+        test.spawn((FluidVolume::from(Cuboid::new(0.3, 0.3, 0.3)), Transform::from_xyz(0.0, -0.05, 0.0)));
+        let shape = FluidBoundaryShape::Cup { radius: 0.25, half_height: 0.25, thickness: 0.05 };
+        let moves = Moves { way: Vec3::new(1.0, 0.5, 0.0), turn: 0.0 };
+        test.spawn((FluidBoundary::new(shape).moving(), Transform::default(), moves));
+        test.tick(40);
+        assert_eq!(test.stats(domain).leaks, None, "{choice:?}");
+        test.change::<FluidDomain>(domain, |domain| domain.count_leaks = true);
+        test.tick(8);
+        let stats = test.settle(domain);
+        assert_eq!((stats.leaks, stats.plannings), (Some(0), 1), "{choice:?}");
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn a_count_asked_for_is_there_before_there_is_fluid() {
+    let mut test = TestApp::new();
+    let domain = test.spawn(FluidDomain { count_leaks: true, ..FluidDomain::with_spacing(SPACING) });
+    test.tick(1);
+    assert_eq!(test.stats(domain).leaks, Some(0));
+}
