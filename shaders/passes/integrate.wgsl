@@ -1,5 +1,6 @@
 // Semi-implicit Euler: v += a dt, x += v dt. Reads the sorted copy, writes the state at the same index, so that whoever
-// draws always reads the same buffers. With XSPH particles also move with what that pass found, x += (v + e) dt.
+// draws always reads the same buffers. With XSPH particles also move with what that pass found, x += (v + e) dt; those of an
+// incompressible fluid move by the trapezoidal rule, x += (v + lead a) dt.
 
 #import freshet::bindings as fields
 #import freshet::threads
@@ -23,12 +24,16 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
         return;
     }
     let dt = fields::control.substep;
-    let velocity = fields::velocity_and_density(a).xyz + fields::acceleration(a) * dt;
+    let acceleration = fields::acceleration(a);
+    let velocity = fields::velocity_and_density(a).xyz + acceleration * dt;
+    var motion = velocity;
 #ifdef XSPH_DRIFT
-    var position = fields::sorted_position(a) + (velocity + fields::drift(a)) * dt;
-#else
-    var position = fields::sorted_position(a) + velocity * dt;
+    motion += fields::drift(a);
 #endif
+#ifdef INCOMPRESSIBLE
+    motion += acceleration * fields::control.lead;
+#endif
+    var position = fields::sorted_position(a) + motion * dt;
 #ifdef INCOMPRESSIBLE
     // What the density solve found changes positions only.
     if (fields::control.correction > 0.0) {

@@ -66,10 +66,12 @@ fn choose_substep(remaining: f32, max_speed: f32, max_acceleration: f32) -> f32 
 // Begins the solves of a substep, if it is long enough for anything to move. The next substep waits for their end.
 fn begin_solves(substep: f32, speed: f32, going: bool) {
     fields::control.correction = 0.0;
+    fields::control.lead = 0.0;
     let solving = substep >= fields::parameters.shortest_substep;
     if (solving) {
         let way = min(speed * substep / fields::parameters.longest_way, 1.0);
         fields::control.share = way * way;
+        fields::control.lead = 0.5 * (1.0 - way * way) * fields::control.last_substep;
         fields::control.divergence = max(fields::parameters.divergence * way, fields::parameters.least_divergence);
         fields::control.solve_phase = solve::DIVERGENCE;
         solve::start_pace();

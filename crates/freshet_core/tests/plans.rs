@@ -673,14 +673,14 @@ fn an_incompressible_fluid_has_its_solves_and_starts_under_the_pressure_of_water
 #[test]
 fn the_substep_of_an_incompressible_fluid() {
     let parameters = Plan::new(&incompressible(DivergenceFree::default())).unwrap().parameters;
-    // 0.4 d over the speed; what falls from rest; 0.7 of 2 / omega, with 3.0758 = 2 / 0.6502 for Wendland C2 at 2 d.
+    // 0.4 d over the speed; what falls from rest; 0.6 of 2 / omega, with 3.0758 = 2 / 0.6502 for Wendland C2 at 2 d.
     assert!(near(parameters.incompressible_limit(4.0, 0.0, 0.0), 0.01));
     assert!(near(
         parameters.incompressible_limit(0.0, 9.81, 0.0),
         (0.04f64 / 9.81).sqrt().min(parameters.viscous_limit().into())
     ));
     let by_pressure = f64::from(parameters.incompressible_limit(0.0, 0.0, 9.81));
-    assert!((by_pressure / (0.7 * 0.6502 * 0.1 / 9.81f64.sqrt()) - 1.0).abs() < 1e-2, "{by_pressure}");
+    assert!((by_pressure / (0.6 * 0.6502 * 0.1 / 9.81f64.sqrt()) - 1.0).abs() < 1e-2, "{by_pressure}");
     assert!((parameters.relaxation - 0.88 / 2.605).abs() < 0.002);
 }
 

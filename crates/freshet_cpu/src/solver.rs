@@ -498,6 +498,7 @@ impl CpuSolver {
 
     /// Solves for pressures, if the plan does, and moves everything over `dt` seconds.
     fn advance(&mut self, found: &Found, dt: f32, tally: &mut Tally) {
+        let mut lead = 0.0;
         if let PressureSolver::DivergenceFree(solver) = self.plan.parameters.pressure_solver
             && dt >= DivergenceFree::SHORTEST
         {
@@ -511,6 +512,7 @@ impl CpuSolver {
             let solved = tally.timed("density_solve", || self.density_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
             tally.density_iterations += iterations;
+            lead = DivergenceFree::lead(way, self.last_substep);
             self.last_substep = dt;
         } else {
             self.final_velocities(dt, tally);
@@ -520,7 +522,7 @@ impl CpuSolver {
                 body.advance(load.force, load.torque, dt);
             }
         });
-        tally.timed("integrate", || self.integrate_stage(dt));
+        tally.timed("integrate", || self.integrate_stage(dt, lead));
     }
 
     /// Stages `friction` and `xsph`, if the plan has them.

@@ -49,7 +49,7 @@ fn xsph_keeps_streams_that_meet_from_passing_through_each_other() {
 
 /// What XSPH moves particles by is no part of what the pressures are solved for; the next substep finds what it did to densities.
 #[test]
-fn an_incompressible_fluid_with_xsph_is_compressed_less_than_twice_as_much_as_without() {
+fn an_incompressible_fluid_with_xsph_is_hardly_compressed() {
     let compression = |xsph: f32| {
         let mut scene = FluidScene {
             volumes: vec![Volume::block(Vec3::splat(0.2), Vec3::splat(0.2))],
@@ -64,7 +64,7 @@ fn an_incompressible_fluid_with_xsph_is_compressed_less_than_twice_as_much_as_wi
         reports.iter().map(|report| report.mean_compression).sum::<f32>() / reports.len() as f32
     };
     let (without, with) = (compression(0.0), compression(0.5));
-    assert!(with < 2.0 * without && with < 3e-3, "{with} with, {without} without");
+    assert!(without < 1e-3 && with < 2e-3, "{with} with, {without} without");
 }
 
 /// An ideal gas in a periodic box of 0.8 x 0.4 x 0.4 m, so thin that particles are `thinness` times as far apart as at rest, with a sound wave as

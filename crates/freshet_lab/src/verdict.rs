@@ -52,7 +52,7 @@ impl std::fmt::Display for Bound {
 }
 
 /// Four significant digits, without trailing zeros.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }

@@ -59,11 +59,15 @@ fn vortices_decay_as_fast_as_they_should() -> Result<(), LabError> {
 #[test]
 fn water_at_rest_has_the_pressure_of_its_depth() -> Result<(), LabError> {
     assert_passes("hydrostatic", Backend::Cpu)?;
-    assert_passes("hydrostatic-dfsph", Backend::Cpu)
+    assert_passes("hydrostatic-dfsph", Backend::Cpu)?;
+    assert_passes("hydrostatic", Backend::Gpu)?;
+    assert_passes("hydrostatic-dfsph", Backend::Gpu)
 }
 
 #[test]
 fn ten_metres_of_water_are_hardly_compressed() -> Result<(), LabError> {
     assert_passes("deep-column", Backend::Cpu)?;
-    assert_passes("deep-column-dfsph", Backend::Cpu)
+    assert_passes("deep-column-dfsph", Backend::Cpu)?;
+    assert_passes("deep-column", Backend::Gpu)?;
+    assert_passes("deep-column-dfsph", Backend::Gpu)
 }

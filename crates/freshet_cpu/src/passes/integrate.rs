@@ -1,6 +1,6 @@
 //! Stage `integrate`: semi-implicit Euler, `v += a dt`, `x += v dt`; lifetimes run down. What leaves a period through one end
 //! comes back through the other. Where the plan has XSPH, `v += a dt` comes first, for all particles, and what they move with
-//! besides, `x += (v + e) dt`.
+//! besides, `x += (v + e) dt`. An incompressible fluid moves by the trapezoidal rule, `x += (v + lead a) dt`.
 
 use freshet_core::periodic::Periodic;
 
@@ -26,7 +26,8 @@ pub fn accelerate(
     });
 }
 
-/// Moves all particles over `dt` seconds; with a `drift`, m/s, velocities are those after the substep already.
+/// Moves all particles over `dt` seconds, with velocities `lead` seconds after those at the end; with a `drift`, m/s, velocities are those
+/// after the substep already.
 pub fn integrate(
     workers: &Workers,
     chunks: &[Chunk],
@@ -35,7 +36,7 @@ pub fn integrate(
     drift: Option<&[Vec<f32>; 3]>,
     periodic: &Periodic,
     lifetimes: bool,
-    dt: f32,
+    [dt, lead]: [f32; 2],
 ) {
     // All axes of a chunk together: the thread that computed its accelerations most likely still holds them.
     let positions = particles.position.each_mut().map(Vec::as_mut_slice);
@@ -43,15 +44,16 @@ pub fn integrate(
     let tasks = Tasks::new(chunks, (), (positions, velocities));
     workers.share(tasks, |(chunk, (), (positions, velocities))| {
         for (axis, (position, velocity)) in positions.into_iter().zip(velocities).enumerate() {
+            let acceleration = &acceleration[axis][chunk.particles.clone()];
             if let Some(drift) = drift {
-                for ((e, x), v) in drift[axis][chunk.particles.clone()].iter().zip(&mut *position).zip(velocity) {
-                    *x += (*v + e) * dt;
+                let drift = &drift[axis][chunk.particles.clone()];
+                for (((a, e), x), v) in acceleration.iter().zip(drift).zip(&mut *position).zip(velocity) {
+                    *x += (*v + e + lead * a) * dt;
                 }
             } else {
-                let acceleration = &acceleration[axis][chunk.particles.clone()];
                 for ((a, x), v) in acceleration.iter().zip(&mut *position).zip(velocity) {
                     *v += a * dt;
-                    *x += *v * dt;
+                    *x += (*v + lead * a) * dt;
                 }
             }
             if periodic.along(axis).is_some() {

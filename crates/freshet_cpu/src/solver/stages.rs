@@ -287,12 +287,12 @@ impl CpuSolver {
         self.loads.extend(answers.load_by(&self.particles.pressure, self.bodies.len()));
     }
 
-    /// Moves all particles over `dt` seconds.
-    pub(super) fn integrate_stage(&mut self, dt: f32) {
+    /// Moves all particles over `dt` seconds, with velocities that are `lead` seconds ahead.
+    pub(super) fn integrate_stage(&mut self, dt: f32, lead: f32) {
         let (chunks, periodic) = (&self.sorter.chunks, &self.plan.grid.periodic);
         let (particles, accelerations) = (&mut self.particles, &self.acceleration);
         let drift = self.plan.has(StageKind::Xsph).then_some(&self.drift);
-        integrate::integrate(&self.workers, chunks, particles, accelerations, drift, periodic, self.mortal, dt);
+        integrate::integrate(&self.workers, chunks, particles, accelerations, drift, periodic, self.mortal, [dt, lead]);
     }
 }
 

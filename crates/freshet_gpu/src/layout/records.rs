@@ -225,8 +225,8 @@ wgsl_struct! {
         left_low: Atomic,
         /// Its upper half.
         left_high: Atomic,
-        /// Unused.
-        pad_a: u32,
+        /// How far ahead of the end of the substep the velocities are that particles move with, s.
+        lead: f32,
         /// Unused.
         pad_b: [u32; 2],
     }

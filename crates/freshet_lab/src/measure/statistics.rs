@@ -1,4 +1,4 @@
-//! Percentile, median, mean.
+//! Percentile, median, mean, order of convergence.
 
 /// The percentile `percent` (0 to 100) with linear interpolation between ranks, as numpy's default does it; none without
 /// values. Reorders the values.
@@ -33,6 +33,13 @@ pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| sum / count as f64)
 }
 
+/// The observed order of convergence: errors shrink as the resolution, of `(resolution, error)`, to minus this. None where an error
+/// is zero or none.
+pub fn order(coarse: (f64, f64), fine: (f64, f64)) -> Option<f64> {
+    let order = (coarse.1 / fine.1).ln() / (fine.0 / coarse.0).ln();
+    order.is_finite().then_some(order)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -62,5 +69,12 @@ mod tests {
         assert_eq!(mean([1.0, 2.0, 6.0]), Some(3.0));
         assert_eq!(mean([]), None);
         assert_eq!(spread(&[2.0, -1.0, 7.0]), Some((-1.0, 7.0)));
+    }
+
+    #[test]
+    fn errors_that_fall_with_the_square_are_of_second_order() {
+        assert!(order((10.0, 0.04), (20.0, 0.01)).is_some_and(|order| (order - 2.0).abs() < 1e-12));
+        assert_eq!(order((10.0, 0.04), (20.0, 0.0)), None);
+        assert_eq!(order((10.0, f64::NAN), (20.0, 0.1)), None);
     }
 }

@@ -7,6 +7,7 @@ use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::error::LabError;
 use crate::measure::curve::Curve;
 use crate::measure::reference_error::ReferenceError;
+use crate::measure::statistics::order;
 use crate::method::Method;
 use crate::output::{Csv, Output};
 use crate::reference::dam_break::DamBreakExperiment;
@@ -59,6 +60,15 @@ fn of_height(run: &Run, text: impl Fn(&HeightError) -> String) -> String {
     run.height_error.as_ref().map_or_else(String::new, text)
 }
 
+/// Observed order of convergence of the front's error, shifted, from the next coarser run of the same; nothing at the coarsest.
+fn order_of(run: &Run, runs: &[Run]) -> String {
+    let same = |other: &&Run| other.experiment == run.experiment && other.backend == run.backend;
+    let coarser = runs.iter().filter(same).filter(|other| other.resolution < run.resolution);
+    let point = |run: &Run| (f64::from(run.resolution), run.error.rms_shifted);
+    let order = coarser.max_by_key(|other| other.resolution).and_then(|coarser| order(point(coarser), point(run)));
+    order.map_or_else(String::new, |order| format!("{order:.2}"))
+}
+
 /// The printed table.
 pub fn table(runs: &[Run]) -> Table {
     let mut table = Table::new([
@@ -69,6 +79,7 @@ pub fn table(runs: &[Run]) -> Table {
         "RMS %",
         "bias %",
         "shifted %",
+        "order",
         "shift",
         "height %",
         "shifted %",
@@ -90,6 +101,7 @@ pub fn table(runs: &[Run]) -> Table {
             percent(error.rms),
             format!("{:+.2}", error.bias * 100.0),
             percent(error.rms_shifted),
+            order_of(run, runs),
             format!("{:+.3}", error.shift),
             of_height(run, |height| percent(height.error.rms)),
             of_height(run, |height| percent(height.error.rms_shifted)),
@@ -117,6 +129,7 @@ fn summary(method: Method, runs: &[Run]) -> Csv {
         "rms_percent",
         "bias_percent",
         "rms_shifted_percent",
+        "observed_order",
         "shift",
         "points",
         "simulated_s",
@@ -149,6 +162,7 @@ fn summary(method: Method, runs: &[Run]) -> Csv {
             percent(error.rms),
             percent(error.bias),
             percent(error.rms_shifted),
+            order_of(run, runs),
             format!("{:.3}", error.shift),
             error.points.to_string(),
             format!("{:.4}", account.simulated),

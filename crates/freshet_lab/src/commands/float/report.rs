@@ -5,7 +5,7 @@ use crate::backend::Backend;
 use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::error::LabError;
 use crate::measure::curve::Curve;
-use crate::measure::statistics::mean;
+use crate::measure::statistics::{mean, order};
 use crate::method::Method;
 use crate::output::{Csv, Output};
 use crate::table::Table;
@@ -24,12 +24,13 @@ pub fn write(output: &Output, method: Method, runs: &[Run]) -> Result<(), LabErr
     Ok(())
 }
 
-/// The numbers from half time on.
+/// The numbers from half time on, and the observed order of convergence of the draft by volume.
 pub fn table(runs: &[Run]) -> Table {
     let mut table = Table::new([
         "ball",
         "draft by volume",
         "by surface",
+        "order",
         "heave mm",
         "growth",
         "ledger",
@@ -38,13 +39,20 @@ pub fn table(runs: &[Run]) -> Table {
         "ns/(p step)",
         "wall s",
     ]);
+    // All runs are as long.
     for run in runs {
         let late = |curve: &Curve| mean(curve.values_from(run.settled())).unwrap_or(f64::NAN);
+        let error = |run: &Run| (f64::from(run.case.pool.diameter), (late(&run.draft) - ARCHIMEDES).abs());
+        let same = |other: &&Run| (other.case.backend, other.case.latency) == (run.case.backend, run.case.latency);
+        let coarser = runs.iter().filter(same).filter(|other| other.case.pool.diameter < run.case.pool.diameter);
+        let coarser = coarser.max_by_key(|other| other.case.pool.diameter);
+        let order = coarser.and_then(|coarser| order(error(coarser), error(run)));
         let (sway, wall) = (run.sway(), run.wall.as_secs_f64());
         table.row([
             run.case.to_string(),
             format!("{:.4}", late(&run.draft)),
             format!("{:.4}", late(&run.draft_by_surface)),
+            order.map_or_else(String::new, |order| format!("{order:.2}")),
             format!("{:.2}", sway.largest * 1000.0),
             format!("{:.2}", sway.growth),
             format!("{:.1e}", run.ledger),

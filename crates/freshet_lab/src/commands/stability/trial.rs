@@ -71,6 +71,10 @@ pub enum SolverOption {
     NearPressure,
     /// Morris' viscosity in place of Monaghan's, as large as that acts: `nu = alpha c h / 10` (Monaghan 2005, eq. 8.8).
     Morris,
+    /// Particles that move with half of the mean velocity around them ([`xsph`](freshet_core::xsph)).
+    Xsph,
+    /// Supports that widen to 1.5 times where the fluid is thin ([`variable_support`](freshet_core::variable_support)).
+    VariableSupport,
     /// Divergence-free SPH with its default tolerances, tried on the CPU only. Its number is the way of the fastest particle in a
     /// step over the spacing, `v dt / d`; steps are limited by the pressure, too, as in every plan: in water at rest nothing goes any
     /// way.
@@ -78,9 +82,18 @@ pub enum SolverOption {
 }
 
 impl SolverOption {
-    /// All of them, the plan's default first.
-    pub const ALL: [Self; 6] =
-        [Self::Tait, Self::Linear, Self::Tension, Self::NearPressure, Self::Morris, Self::DivergenceFree];
+    /// All of them, the plan's default first. [`redo_substeps`](freshet_core::scene::Settings::redo_substeps) is none of them: it
+    /// shortens the very step whose length is asked for.
+    pub const ALL: [Self; 8] = [
+        Self::Tait,
+        Self::Linear,
+        Self::Tension,
+        Self::NearPressure,
+        Self::Morris,
+        Self::Xsph,
+        Self::VariableSupport,
+        Self::DivergenceFree,
+    ];
 
     /// Name, as in files and tables.
     pub fn name(self) -> &'static str {
@@ -90,6 +103,8 @@ impl SolverOption {
             Self::Tension => "unclamped",
             Self::NearPressure => "near pressure",
             Self::Morris => "Morris viscosity",
+            Self::Xsph => "XSPH",
+            Self::VariableSupport => "variable support",
             Self::DivergenceFree => "DFSPH",
         }
     }
@@ -167,7 +182,12 @@ impl Configuration {
         }
         scene.settings.clamp_negative_pressure =
             !matches!(self.option, SolverOption::Tension | SolverOption::NearPressure);
-        scene.settings.near_pressure = if self.option == SolverOption::NearPressure { 0.01 } else { 0.0 };
+        match self.option {
+            SolverOption::NearPressure => scene.settings.near_pressure = 0.01,
+            SolverOption::Xsph => scene.settings.xsph = 0.5,
+            SolverOption::VariableSupport => scene.settings.widest_support = 1.5,
+            _ => {}
+        }
         if self.option == SolverOption::DivergenceFree {
             scene = Method::DivergenceFree.on(scene);
         }
@@ -200,8 +220,6 @@ pub enum Failure {
     NotFinite,
     /// A particle lost: it left the bounds, or a number of it was not finite and the solver removed it.
     Lost,
-    /// One of the two above, in files from before they were told apart; no run ends so any more.
-    LostOrNotFinite,
     /// Kinetic energy and energy of height above 1.05 of the start.
     Energy,
     /// Mean compression above 5 % in a substep.
@@ -212,15 +230,13 @@ pub enum Failure {
 
 impl Failure {
     /// All of them, in the order of the map's legend.
-    pub const ALL: [Self; 6] =
-        [Self::NotFinite, Self::Lost, Self::LostOrNotFinite, Self::Energy, Self::Compression, Self::Crowded];
+    pub const ALL: [Self; 5] = [Self::NotFinite, Self::Lost, Self::Energy, Self::Compression, Self::Crowded];
 
     /// Letter in the map.
     pub fn letter(self) -> &'static str {
         match self {
             Self::NotFinite => "N",
             Self::Lost => "L",
-            Self::LostOrNotFinite => "L/N",
             Self::Energy => "E",
             Self::Compression => "C",
             Self::Crowded => "P",
@@ -232,7 +248,6 @@ impl Failure {
         match self {
             Self::NotFinite => "not finite",
             Self::Lost => "particle lost",
-            Self::LostOrNotFinite => "lost or not finite",
             Self::Energy => "energy",
             Self::Compression => "compression",
             Self::Crowded => "pairs too near",

@@ -9,7 +9,7 @@ use std::time::Instant;
 use clap::Args;
 
 pub use registry::{CASES, Case, Findings, Job};
-pub use study::{Level, Study, Trace, order};
+pub use study::{Level, Study, Trace};
 
 use crate::error::LabError;
 use crate::options::{BackendChoice, CommonOptions, ThreadOption};

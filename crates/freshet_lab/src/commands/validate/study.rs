@@ -5,10 +5,11 @@ use crate::backend::Backend;
 use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::drive::Account;
 use crate::error::LabError;
+use crate::measure::statistics::order;
 use crate::output::Csv;
 use crate::progress::Progress;
 use crate::table::Table;
-use crate::verdict::{Bound, Check, Verdict};
+use crate::verdict::{Bound, Check, Verdict, short};
 
 /// One quantity of a run over another, with its reference.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,11 +66,18 @@ pub struct Study {
 /// Finest over coarsest error of a smooth case.
 const SMOOTH: f64 = 0.6;
 
-/// The observed order of convergence between two levels: errors shrink as the resolution to minus this. None where an error is
-/// zero.
-pub fn order(coarse: &Level, fine: &Level) -> Option<f64> {
-    let order = (coarse.error / fine.error).ln() / (f64::from(fine.resolution) / f64::from(coarse.resolution)).ln();
-    order.is_finite().then_some(order)
+/// A share in percent, with its leading digits where it is small.
+fn percent(share: f64) -> String {
+    let percent = share * 100.0;
+    if percent.abs() < 0.01 { format!("{percent:.1e}") } else { format!("{percent:.3}") }
+}
+
+impl Level {
+    /// The observed order of convergence from a coarser one to this.
+    fn order_from(&self, coarse: &Self) -> Option<f64> {
+        let point = |level: &Self| (f64::from(level.resolution), level.error);
+        order(point(coarse), point(self))
+    }
 }
 
 impl Study {
@@ -128,18 +136,18 @@ impl Study {
         for (index, level) in levels.iter().enumerate() {
             let order = index
                 .checked_sub(1)
-                .and_then(|before| order(&levels[before], level))
+                .and_then(|before| level.order_from(&levels[before]))
                 .map_or(String::new(), |order| format!(", observed order {order:.2}"));
             comments.push(format!(
-                "{} particles along the length, {} in all: {} {:.3} %{order}; {:.1} s of wall time",
+                "{} particles along the length, {} in all: {} {} %{order}; {:.1} s of wall time",
                 level.resolution,
                 level.particles,
                 self.measure,
-                level.error * 100.0,
+                percent(level.error),
                 level.account.wall.as_secs_f64()
             ));
             comments.extend(level.checks.iter().map(|Check { name, value, bound, unit }| {
-                format!("{} particles: {name} {value:.4} {unit} (bound {bound})", level.resolution)
+                format!("{} particles: {name} {} {unit} (bound {bound})", level.resolution, short(*value))
             }));
             comments.extend(level.remarks.iter().map(|remark| format!("{} particles: {remark}", level.resolution)));
         }
@@ -173,11 +181,11 @@ impl Study {
         }
         series.retain(|series| !series.points.is_empty());
         let errors: Vec<String> =
-            levels.iter().map(|level| format!("{:.2} % at {}", level.error * 100.0, level.resolution)).collect();
+            levels.iter().map(|level| format!("{} % at {}", percent(level.error), level.resolution)).collect();
         let orders: Vec<String> = levels
             .windows(2)
             .filter(|_| self.smooth)
-            .filter_map(|pair| Some(format!("{:.2}", order(&pair[0], &pair[1])?)))
+            .filter_map(|pair| Some(format!("{:.2}", pair[1].order_from(&pair[0])?)))
             .collect();
         let orders = if orders.is_empty() { String::new() } else { format!("; order {}", orders.join(", ")) };
         let panel = |title: &str, y_label: &str, series: Vec<Series>| Panel {
@@ -268,8 +276,8 @@ pub(super) fn table(levels: &[(&'static str, Backend, Level)]) -> Table {
             backend.to_string(),
             level.resolution.to_string(),
             level.particles.to_string(),
-            format!("{:.3}", level.error * 100.0),
-            before.and_then(|before| order(&before.2, level)).map_or(String::new(), |order| format!("{order:.2}")),
+            percent(level.error),
+            before.and_then(|before| level.order_from(&before.2)).map_or(String::new(), |order| format!("{order:.2}")),
             level.account.substeps.to_string(),
             format!("{:.1}", level.account.wall.as_secs_f64()),
             format!("{:.0}", level.account.nanoseconds_per_particle_step()),
@@ -311,8 +319,8 @@ mod tests {
 
     #[test]
     fn each_bound_can_be_missed() {
-        assert!(order(&level(10, 0.04), &level(20, 0.01)).is_some_and(|order| (order - 2.0).abs() < 1e-12));
-        assert_eq!(order(&level(10, 0.04), &level(20, 0.0)), None);
+        let order = level(20, 0.01).order_from(&level(10, 0.04));
+        assert!(order.is_some_and(|order| (order - 2.0).abs() < 1e-12));
         assert!(passes(&[level(10, 0.04), level(20, 0.02), level(40, 0.01)]));
         assert!(!passes(&[level(10, 0.048), level(20, 0.04), level(40, 0.021)]), "2.1 % at the finest");
         assert!(!passes(&[level(10, 0.051)]), "5.1 % at the coarsest, alone as on the GPU");
