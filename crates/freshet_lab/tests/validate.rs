@@ -65,6 +65,12 @@ fn water_at_rest_has_the_pressure_of_its_depth() -> Result<(), LabError> {
 }
 
 #[test]
+fn water_without_artificial_viscosity_comes_to_rest() -> Result<(), LabError> {
+    assert_passes("calm-dfsph", Backend::Cpu)?;
+    assert_passes("calm-dfsph", Backend::Gpu)
+}
+
+#[test]
 fn ten_metres_of_water_are_hardly_compressed() -> Result<(), LabError> {
     assert_passes("deep-column", Backend::Cpu)?;
     assert_passes("deep-column-dfsph", Backend::Cpu)?;

@@ -30,12 +30,12 @@ pub struct State {
 
 /// The three states.
 pub fn states(quick: bool) -> [State; 3] {
-    let (edge, spacing) = if quick { (10.0, 0.05) } else { (20.0, 0.025) };
+    let (edge, spacing) = if quick { (14.0, 0.05) } else { (20.0, 0.025) };
     let state = |name, scene, seconds| State { name, scene: Method::DivergenceFree.on(scene), seconds };
     let cube = 0.5;
     [
         state("at rest", walled(cube, cube.into(), cube / edge), if quick { 1.0 } else { 3.0 }),
-        state("dam break", tank::scene(if quick { 1000 } else { 8000 }), 0.3),
+        state("dam break", tank::scene(if quick { 3375 } else { 8000 }), 0.3),
         state("column", walled(0.25, if quick { 1.0 } else { 2.0 }, spacing), 1.0),
     ]
 }

@@ -52,7 +52,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 14] = [
+pub const CASES: [&Case; 15] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -63,6 +63,7 @@ pub const CASES: [&Case; 14] = [
     &cases::hydrostatic::DIVERGENCE_FREE,
     &cases::deep_column::CASE,
     &cases::deep_column::DIVERGENCE_FREE,
+    &cases::calm::CASE,
     &cases::commands::COLUMN,
     &cases::commands::FLOAT,
     &cases::commands::DAM_BREAK,

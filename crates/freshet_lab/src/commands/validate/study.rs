@@ -340,6 +340,6 @@ mod tests {
         assert_eq!(chart.panels.iter().map(|panel| panel.series.len()).collect::<Vec<_>>(), [3, 3]);
         let off = chart.panels[1].series[0].points[0];
         assert!((off.1 + 0.1).abs() < 1e-9, "2.0 less 2.1, not {off:?}");
-        assert_eq!(chart.title, "L2 error: 4.00 % at 10, 1.00 % at 20; order 2.00");
+        assert_eq!(chart.title, "L2 error: 4.000 % at 10, 1.000 % at 20; order 2.00");
     }
 }

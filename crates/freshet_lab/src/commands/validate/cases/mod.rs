@@ -1,5 +1,6 @@
 //! The cases, one file each; those that are commands of their own are in [`commands`].
 
+pub mod calm;
 mod channel;
 pub mod commands;
 pub mod couette;
