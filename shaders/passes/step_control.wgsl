@@ -71,7 +71,7 @@ fn begin_solves(substep: f32, speed: f32, going: bool) {
     if (solving) {
         let way = min(speed * substep / fields::parameters.longest_way, 1.0);
         fields::control.share = way * way;
-        fields::control.lead = 0.5 * (1.0 - way * way) * fields::control.last_substep;
+        fields::control.lead = 0.5 * (1.0 - way * way) * min(fields::control.last_substep, substep);
         fields::control.divergence = max(fields::parameters.divergence * way, fields::parameters.least_divergence);
         fields::control.solve_phase = solve::DIVERGENCE;
         solve::start_pace();

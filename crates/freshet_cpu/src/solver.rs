@@ -512,7 +512,7 @@ impl CpuSolver {
             let solved = tally.timed("density_solve", || self.density_solve_stage(&solver, dt, way));
             let iterations = tally.count(solved);
             tally.density_iterations += iterations;
-            lead = DivergenceFree::lead(way, self.last_substep);
+            lead = DivergenceFree::lead(way, self.last_substep, dt);
             self.last_substep = dt;
         } else {
             self.final_velocities(dt, tally);

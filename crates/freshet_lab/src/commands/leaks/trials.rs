@@ -85,7 +85,7 @@ fn plate(speed: f32) -> Result<Trial, LabError> {
     let half = Vec3::new(0.9, 0.5 * SPACING, 0.9);
     scene.boundaries.push(Boundary::new(BoundaryShape::Box { half_extents: half }, Vec3::ZERO));
     // Splashes round its corners up to a tenth of a spacing inside the visible edge: who passes there passes over the rim.
-    let gate = Gate::Rectangle { half_extents: [half.x, half.z].map(|edge| edge - 0.25 * SPACING) };
+    let gate = Gate::Rectangle { half_extents: [half.x, half.z].map(|edge| edge - 0.1 * SPACING) };
     Ok(still("a block thrown at a thin plate", format!("{speed} m/s"), scene, vec![gate], 0.6))
 }
 

@@ -1,4 +1,5 @@
-//! A metre of water at rest for a minute with next to nothing that would calm it: water's own viscosity. Speeds are bounded where the
+//! A metre of water at rest for a minute with next to nothing that would calm it: water's own viscosity, and what the trapezoidal rule
+//! damps ([`DivergenceFree`](freshet_core::pressure_solver::DivergenceFree)). Speeds are bounded where the
 //! resolution is as fine as in a game; particles of a tenth of a metre are moved by the unevenness of their own layers.
 
 use freshet_core::field::Field;
