@@ -281,6 +281,89 @@ fn a_wall_that_is_put_elsewhere_or_scaled_does_not_throw_the_fluid() {
     }
 }
 
+/// How a plate gets from one side of some water to the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Put {
+    /// By less than walls may move in a tick, while time stands still.
+    Paused,
+    /// Turned about its centre likewise.
+    TurnedPaused,
+    /// Farther than walls move in a tick.
+    Far,
+    /// Turned farther than that.
+    TurnedFar,
+}
+
+#[test]
+fn a_wall_that_is_put_to_the_other_side_of_water_leaves_it_at_rest() {
+    for choice in ALL {
+        for put in [Put::Paused, Put::TurnedPaused, Put::Far, Put::TurnedFar] {
+            let mut test = moving_app();
+            let mut domain = FluidDomain::with_spacing(SPACING).on(choice.0).in_mode(choice.1);
+            domain.gravity = Some(Vec3::ZERO);
+            domain.settings.expected_speed = Some(6.0);
+            let domain = test.spawn(domain);
+            // Walls may go 0.375 m in a tick. A plate of 0.6 m turns by 0.31 m at its ends, or by 0.47 m; it sweeps over the water between its
+            // places. At all of these a spacing lies between them.
+            let (turn, at) = match put {
+                Put::Paused => (0.0, Vec3::ZERO),
+                Put::Far => (0.0, Vec3::X * 0.1),
+                Put::TurnedPaused => (1.04, 0.4 * Vec3::new(0.5f32.cos(), 0.5f32.sin(), 0.0)),
+                Put::TurnedFar => (1.57, 0.3 * Vec3::new(0.785f32.cos(), 0.785f32.sin(), 0.0)),
+            };
+            let (long, size) = match put {
+                Put::Paused | Put::Far => (Vec3::new(SPACING, 0.6, 0.6), Vec3::new(0.1, 0.3, 0.3)),
+                Put::TurnedPaused => (Vec3::new(1.2, SPACING, 0.6), Vec3::new(0.1, 0.1, 0.3)),
+                Put::TurnedFar => (Vec3::new(0.8, SPACING, 0.6), Vec3::new(0.1, 0.1, 0.3)),
+            };
+            test.spawn((FluidVolume::from(Cuboid::from_size(size)), Transform::from_translation(at)));
+            let start = if turn == 0.0 { Vec3::X * -0.15 } else { Vec3::ZERO };
+            let wall = FluidBoundary::from(Cuboid::from_size(long)).moving();
+            let wall = test.spawn((wall, Transform::from_translation(start)));
+            test.tick(4);
+            let before = positions(&mut test, domain);
+            test.change::<Transform>(wall, |pose| {
+                pose.translation.x += match put {
+                    Put::Paused => 0.3,
+                    Put::Far => 0.5,
+                    _ => 0.0,
+                };
+                pose.rotate_z(turn);
+            });
+            if matches!(put, Put::Paused | Put::TurnedPaused) {
+                test.update();
+            }
+            test.tick(4);
+            let after = positions(&mut test, domain);
+            let moved = after.iter().zip(&before).map(|(after, before)| after.distance(*before)).fold(0.0, f32::max);
+            println!("{choice:?} {put:?}: {moved} m");
+            assert!(!before.is_empty() && moved < 0.01 * SPACING, "{choice:?} {put:?}: {moved} m");
+            test.expect_no_complaints();
+        }
+    }
+}
+
+#[test]
+fn a_wall_that_stands_and_is_put_elsewhere_while_time_stands_still_still_stands() {
+    let mut test = moving_app();
+    let domain = channel(&mut test, ALL[0]);
+    let friction = FluidFriction::coulomb(0.5);
+    let wall = FluidBoundary { friction, ..FluidBoundary::cuboid(SPACING, 0.4, 0.4) };
+    let wall = test.spawn((wall, Transform::from_xyz(2.0, 0.25, 0.25)));
+    test.tick(4);
+    for (plannings, x) in [(2, 1.9), (3, 2.1)] {
+        test.change::<Transform>(wall, |pose| pose.translation.x = x);
+        test.update();
+        assert_eq!(test.settle(domain).plannings, plannings);
+        // One that moves may have no friction.
+        test.expect_no_complaints();
+    }
+    test.change::<Transform>(wall, |pose| pose.translation.x = 2.0);
+    test.tick(2);
+    let complaints = test.complaints();
+    assert!(complaints.len() == 1 && complaints[0].message.starts_with("friction"), "{complaints:?}");
+}
+
 #[test]
 fn what_goes_through_a_wall_is_counted() {
     for choice in [ALL[0], ALL[2]] {

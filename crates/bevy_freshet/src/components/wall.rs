@@ -39,13 +39,14 @@ impl From<Friction> for FluidFriction {
 /// [`FreshetSystems::Plan`](crate::simulation::sets::FreshetSystems::Plan), or in `FixedPreUpdate`: what is moved once a frame stands still in the frame's other ticks. It is not sampled
 /// anew; its samples are sorted in each substep. Fluid slips along it, and it has no friction.
 ///
-/// If it goes farther in a tick than ten times the expected speed allows, and than four support radii, it has been put elsewhere: it is there at once and
-/// pushes nothing on its way. A scale that changes makes another shape of it, which is sampled anew.
+/// One that is put elsewhere is there at once and pushes nothing on its way: while time stands still ([`Time<Virtual>`](Time) is paused), while its
+/// domain waits for a mesh, or if it goes farther in a tick than four times the expected speed allows (its surface, where it turns) and than a support
+/// radius, 13 m/s with a spacing of 0.1 m and 64 ticks a second. A scale that changes makes another shape of it, which is sampled anew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Default, Clone, Debug, PartialEq)]
 pub enum FluidWallMotion {
-    /// It stands until it is moved for the first time. Then the domain is planned anew, once, and from there on it is
-    /// one that moves, for as long as the entity has the component.
+    /// It stands until it is moved for the first time, other than while time stands still. Then the domain is planned anew, once, and from there on it
+    /// is one that moves, for as long as the entity has the component.
     #[default]
     Auto,
     /// It stands: to move it is to put it elsewhere, for which the domain is planned anew each time. It pushes nothing, drags, and may

@@ -7,11 +7,33 @@ use freshet_core::step::{BodyInput, Command, StepInput};
 use super::collecting::wait_for_all;
 use super::gather::{rigid_frame, to_emitter};
 use super::movers::MovingWall;
+use super::recipe::is_moved;
 use super::state::{DomainState, SentTick};
+use super::walls::stretch::stretched_frame;
 use crate::components::domain::FluidMode;
 use crate::components::emitter::FluidEmitter;
 use crate::components::stats::FluidStats;
 use crate::engine::Order;
+
+/// Run condition: whether the app's time stands still.
+pub(crate) fn time_stands_still(time: Res<Time<Virtual>>) -> bool {
+    time.delta().is_zero()
+}
+
+/// Walls that are moved while time stands still are put where they are.
+pub(crate) fn place_walls(mut domains: Query<(Entity, &mut DomainState)>, transforms: TransformHelper) {
+    for (domain, mut state) in &mut domains {
+        let Ok(frame) = rigid_frame(&transforms, domain) else { continue };
+        let DomainState { movers, recipe, placed, .. } = &mut *state;
+        movers.iter_mut().for_each(|mover| mover.place(&transforms, frame));
+        for wall in recipe.iter().flat_map(|recipe| &recipe.walls) {
+            let now = stretched_frame(&transforms, wall.entity).map(|(pose, _)| frame.inverse() * pose);
+            if now.is_ok_and(|now| is_moved(wall.pose(), now)) {
+                placed.insert(wall.entity);
+            }
+        }
+    }
+}
 
 /// Sends a tick to every domain that has fluid; in lockstep, waits for it.
 pub(crate) fn send_ticks(
