@@ -150,6 +150,9 @@ fn moving((from, before): (Vec3, Quat), (to, after): (Vec3, Quat)) -> BodyInput 
 }
 
 /// Follows particles by their ids.
+///
+/// Not by core's [`LeakWatch`](freshet_core::leaks::LeakWatch), which apps count with: this is told by formulas of its own (the gates) where walls are, of
+/// bodies that have samples and no shape too, and says how deep a particle got.
 struct Watch<'a> {
     trial: &'a Trial,
     /// Deeper in a wall than its samples lie, a particle is through, m.
