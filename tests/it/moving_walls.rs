@@ -281,6 +281,36 @@ fn a_wall_that_is_put_elsewhere_or_scaled_does_not_throw_the_fluid() {
     }
 }
 
+#[test]
+fn a_tank_that_goes_out_of_the_bounds_is_named_before_its_water_is_lost() {
+    for choice in [ALL[0], ALL[2]] {
+        let mut test = moving_app();
+        let mut domain = FluidDomain::with_spacing(SPACING).on(choice.0).in_mode(choice.1);
+        domain.settings.bounds = Some((Vec3::splat(-1.0), Vec3::splat(1.0)));
+        let domain = test.spawn(domain);
+        let tank = FluidContainer::open_box(0.5, 0.5, 0.5).moving();
+        let tank = test.spawn((tank, Moves { way: Vec3::X * 2.0, turn: 0.0 }));
+        test.spawn((FluidVolume::from(Cuboid::new(0.4, 0.3, 0.4)), Transform::from_xyz(0.0, -0.05, 0.0)));
+        // Its samples lie less than a spacing outside: it reaches the bounds after 0.65 m.
+        test.tick(20);
+        test.expect_no_complaints();
+        test.tick(4);
+        let complaints = test.complaints();
+        assert_eq!(complaints.len(), 1, "{choice:?}: {complaints:?}");
+        assert_eq!((complaints[0].entity, complaints[0].component), (tank, "FluidContainer"));
+        let message = &complaints[0].message;
+        assert!(
+            message.contains("[-1, -1, -1] to [1, 1, 1] m") && message.contains("FluidSettings::bounds"),
+            "{message}"
+        );
+        assert_eq!(test.stats(domain).removed, 0, "{choice:?}");
+        // Once only, and the water is lost.
+        test.tick(16);
+        test.expect_no_complaints();
+        assert!(test.settle(domain).removed > 0, "{choice:?}");
+    }
+}
+
 /// How a plate gets from one side of some water to the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Put {

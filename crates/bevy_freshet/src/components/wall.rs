@@ -39,6 +39,10 @@ impl From<Friction> for FluidFriction {
 /// [`FreshetSystems::Plan`](crate::simulation::sets::FreshetSystems::Plan), or in `FixedPreUpdate`: what is moved once a frame stands still in the frame's other ticks. It is not sampled
 /// anew; its samples are sorted in each substep. Fluid slips along it, and it has no friction.
 ///
+/// Fluid that leaves the domain's bounds is removed. Unless [`FluidSettings::bounds`](super::settings::FluidSettings::bounds) says otherwise they reach
+/// four times a wall's size around the place where it was planned; a wall that goes out of them is a
+/// [`FluidProblem`](super::problem::FluidProblem).
+///
 /// One that is put elsewhere is there at once and pushes nothing on its way: while time stands still ([`Time<Virtual>`](Time) is paused), while its
 /// domain waits for a mesh, or if it goes farther in a tick than four times the expected speed allows (its surface, where it turns) and than a support
 /// radius, 13 m/s with a spacing of 0.1 m and 64 ticks a second. A scale that changes makes another shape of it, which is sampled anew.

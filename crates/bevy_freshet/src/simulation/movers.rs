@@ -10,6 +10,7 @@ use freshet_core::scene::{Body, Boundary, BoundaryShape};
 use freshet_core::step::BodyInput;
 
 use super::gather::rigid_frame;
+use super::problems::Problem;
 use super::recipe::is_moved;
 use super::walls::stretch::{is_same_stretch, stretched_frame};
 
@@ -80,6 +81,7 @@ impl MoverBodies {
 #[derive(Clone, Debug)]
 pub(crate) struct MovingWall {
     pub(crate) entity: Entity,
+    component: &'static str,
     stretch: Option<Mat3>,
     /// The farthest of its samples from its centre, m.
     reach: f32,
@@ -93,6 +95,8 @@ pub(crate) struct MovingWall {
     is_put: bool,
     /// Whether it has been put elsewhere since the last tick.
     is_placed: bool,
+    /// Whether the last tick left it wholly within the bounds.
+    is_within: bool,
 }
 
 /// What a tick is told of a wall, and whether its scale is that of its shape.
@@ -111,7 +115,9 @@ impl MovingWall {
         let is_put = before.is_some_and(|wall| wall.is_put);
         let is_placed = before.is_some_and(|wall| wall.is_placed);
         let is_known = before.is_some_and(|wall| wall.is_known);
-        Self { entity: mover.entity, stretch: mover.stretch, reach, pose, is_known, looked, is_put, is_placed }
+        let is_within = before.is_some_and(|wall| wall.is_within);
+        let Mover { entity, component, stretch, .. } = *mover;
+        Self { entity, component, stretch, reach, pose, is_known, looked, is_put, is_placed, is_within }
     }
 
     /// Has a watch that has just been given the plan's walls take its way from where it was at the last look.
@@ -148,6 +154,23 @@ impl MovingWall {
         if self.pose.is_some_and(|before| is_moved(before, now)) {
             self.put(now);
         }
+    }
+
+    /// What is wrong if it has gone out of the bounds of a plan, where its body has these samples, since it was last asked.
+    pub(crate) fn goes_out(&mut self, plan: &Plan, samples: &[Vec3]) -> Option<Problem> {
+        let pose = self.pose?;
+        let (min, max) = (plan.parameters.bounds_min, plan.parameters.bounds_max);
+        let is_in = |point: Vec3, margin: f32| (point - min).min(max - point).min_element() >= margin;
+        // Most are far from the bounds.
+        let is_within = is_in(pose.translation.into(), self.reach) || samples.iter().all(|&at| is_in(pose * at, 0.0));
+        let was_within = std::mem::replace(&mut self.is_within, is_within);
+        let message = || {
+            format!(
+                "Transform: it has gone out of the domain's bounds, {min} to {max} m, and fluid that goes with it is removed; allowed: within \
+                 FluidSettings::bounds, which can be set around its whole way"
+            )
+        };
+        (was_within && !is_within).then(|| Problem::new(self.entity, self.component, message()))
     }
 
     /// It has been put elsewhere.

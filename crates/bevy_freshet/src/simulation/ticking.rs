@@ -77,9 +77,11 @@ pub(crate) fn send_ticks(
         // Without the coupling, or for a body it has lost, a body stands still at the origin of its samples.
         let mut bodies = std::mem::take(&mut state.body_inputs);
         bodies.resize(state.body_entities.len(), BodyInput::default());
+        let mut gone_out = Vec::new();
         for mover in &mut state.movers {
             let told = mover.advance(&transforms, state.frame, duration, plan);
             state.asks_for_planning |= told.has_changed;
+            gone_out.extend(plan.bodies.get(bodies.len()).and_then(|body| mover.goes_out(plan, &body.samples)));
             bodies.push(told.input);
         }
         bodies.resize(plan.bodies.len(), BodyInput::default());
@@ -87,6 +89,7 @@ pub(crate) fn send_ticks(
         engine.send(Order::Tick(StepInput { tick: state.tick, duration, bodies, commands }));
         state.sent.push_back(SentTick { tick: state.tick, bodies: state.body_entities.clone() });
         state.tick += 1;
+        gone_out.into_iter().for_each(|problem| state.complain(problem));
         stats.ticks_in_flight = state.sent.len() as u64;
         if state.mode == FluidMode::Lockstep {
             wait_for_all(entity, state, &mut stats);
