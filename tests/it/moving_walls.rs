@@ -126,6 +126,9 @@ fn a_wall_that_is_moved_for_the_first_time_is_planned_once() {
         test.world().entity_mut(piston).insert(Moves { way: Vec3::X * 2.0, turn: 0.0 });
         test.tick(24);
         assert_eq!(test.stats(domain).plannings, before + 1, "{choice:?}");
+        let notes = test.stats(domain).notes;
+        let named = format!("FluidBoundary of entity {piston} moves because it has been moved (motion: Auto)");
+        assert_eq!(notes.iter().filter(|note| note.starts_with(&named)).count(), 1, "{choice:?}: {notes:?}");
         let pushed = velocity(&mut test, domain);
         let front = mean(&positions(&mut test, domain));
         let stats = test.stats(domain);

@@ -276,7 +276,8 @@ impl Gather<'_, '_, '_, '_> {
             complain(InvalidInput::new("velocity", velocity, "zero of a wall that moves (motion: Still keeps it)"));
         }
         let from = self.motions.stood(&wall).map(Wall::pose);
-        walls.movers.push(Mover { entity, component, shape: wall.boundary.shape, stretch, pose, from });
+        let (shape, is_auto) = (wall.boundary.shape, motion == FluidWallMotion::Auto);
+        walls.movers.push(Mover { entity, component, shape, stretch, pose, from, is_auto });
     }
 
     /// A wall whose shape is made of a mesh, heights or an image.

@@ -30,6 +30,8 @@ pub(crate) struct Mover {
     pub(crate) pose: Isometry3d,
     /// Where it stood until now, likewise, if it has been moved for the first time.
     pub(crate) from: Option<Isometry3d>,
+    /// Whether it moves because it has been moved, not because it was asked to.
+    pub(crate) is_auto: bool,
 }
 
 impl Mover {
@@ -37,6 +39,18 @@ impl Mover {
     pub(crate) fn boundary(&self) -> Boundary {
         let (center, rotation) = (self.pose.translation.into(), self.pose.rotation);
         Boundary { rotation, ..Boundary::new(self.shape.clone(), center) }
+    }
+
+    /// What its user may not expect of it.
+    pub(crate) fn note(&self) -> Option<String> {
+        let Self { entity, component, .. } = self;
+        let message = || {
+            format!(
+                "{component} of entity {entity} moves because it has been moved (motion: Auto): fluid slips along it from here on, without drag \
+                 or friction; motion: Still keeps them, Moving leaves this note out"
+            )
+        };
+        self.is_auto.then(message)
     }
 
     /// Lowest and highest corner of the space that its samples take, m in the domain's frame.
@@ -272,7 +286,15 @@ mod tests {
             scene.settings.expected_speed = Some(6.0);
             let (layer, plan) = (scene.wall_layer().unwrap(), Plan::new(&scene).unwrap());
             let shape = BoundaryShape::Box { half_extents: Vec3::new(1.0, 0.02, 1.0) };
-            let mover = Mover { entity, component: "", shape, stretch: None, pose: Isometry3d::IDENTITY, from: None };
+            let mover = Mover {
+                entity,
+                component: "",
+                shape,
+                stretch: None,
+                pose: Isometry3d::IDENTITY,
+                from: None,
+                is_auto: false,
+            };
             let watch = LeakWatch::new(&layer, &[mover.boundary()]);
             Self { world, wall: MovingWall::new(&mover, &[], &[]), mover, watch, layer, plan }
         }
