@@ -48,6 +48,12 @@ fn mean(points: &[Vec3]) -> Vec3 {
     points.iter().sum::<Vec3>() / points.len() as f32
 }
 
+/// Mean energy above the floor, J/kg.
+fn energy(State { positions, velocities }: &State) -> f32 {
+    let of = |(x, v): (&Vec3, &Vec3)| 0.5 * v.length_squared() + 9.81 * x.y;
+    positions.iter().zip(velocities).map(of).sum::<f32>() / positions.len() as f32
+}
+
 /// Mean velocity over the next tick, m/s; reads twice.
 fn velocity(test: &mut TestApp, domain: Entity) -> Vec3 {
     let before = mean(&positions(test, domain));
@@ -92,19 +98,39 @@ fn a_piston_pushes_fluid_along_and_lets_it_alone_when_it_stops() {
             let way = Vec3::X * 2.0;
             test.world().entity_mut(piston).insert(Moves { way, turn: 0.0 });
             test.tick(31);
-            let pushed = velocity(&mut test, domain);
-            let place = positions(&mut test, domain);
+            let State { positions: place, velocities } = state(&mut test, domain);
             let face = test.world().get::<Transform>(piston).unwrap().translation.x;
-            println!("{backend:?} {mode:?} {kind}: {pushed} {} {face}", mean(&place));
-            assert!(pushed.x > 1.2 && pushed.x < 3.0, "{backend:?} {kind}: pushed with 2 m/s, it flows with {pushed}");
-            assert!(mean(&place).x > start.x + 0.7, "{backend:?} {kind}: {} from {start}", mean(&place));
+            let pushed = mean(&velocities);
+            println!("{backend:?} {mode:?} {kind}: {pushed} {start} {} {face}", mean(&place));
+            // None gets slower than the piston for good, and what it hits elastically gets twice as fast.
+            assert!(pushed.x > 1.9 && pushed.x < 4.0, "{backend:?} {kind}: pushed with 2 m/s, it flows with {pushed}");
+            let at_piston: Vec<Vec3> = place
+                .iter()
+                .zip(&velocities)
+                .filter(|(place, _)| place.x < face + 2.5 * SPACING)
+                .map(|(_, velocity)| *velocity)
+                .collect();
+            let speed = mean(&at_piston).x;
+            assert!(
+                !at_piston.is_empty() && (speed - 2.0).abs() < 0.2,
+                "{backend:?} {kind}: {speed} m/s at the piston"
+            );
+            // 0.1 m3 in a channel of 0.25 m2 are 0.4 m long at least, with their middle half of that before the piston's face.
+            let ahead = mean(&place).x - face - 0.5 * SPACING;
+            assert!(ahead > 0.19, "{backend:?} {kind}: the water is {ahead} m ahead");
             let behind = place.iter().filter(|place| place.x < face).count();
             assert_eq!(behind, 0, "{backend:?} {kind}: particles behind the piston at {face}");
-            // It stops: what it did not throw ahead comes to rest against gravity's level, and nothing is pushed on.
+            // It stops: walls that stand do no work, and splashes use up most of what energy there is; with 0.12 m of water 0.6 J/kg remain at rest.
             test.world().entity_mut(piston).remove::<Moves>();
+            test.tick(1);
+            let before = energy(&state(&mut test, domain));
             test.tick(64);
-            let later = velocity(&mut test, domain);
-            assert!(later.x < 0.5 * pushed.x, "{backend:?} {kind}: it stands, and the fluid flows with {later}");
+            let later = energy(&state(&mut test, domain));
+            println!("{backend:?} {mode:?} {kind}: {before} J/kg, {later} J/kg a second later");
+            assert!(
+                later < 0.4 * before,
+                "{backend:?} {kind}: it stands, and the fluid has {later} J/kg after {before}"
+            );
             let stats = test.settle(domain);
             assert_eq!(stats.plannings, plannings, "{backend:?} {kind}");
             assert_eq!((stats.leaks, stats.removed, stats.particles), (Some(0), 0, 100), "{backend:?} {kind}");
@@ -112,6 +138,40 @@ fn a_piston_pushes_fluid_along_and_lets_it_alone_when_it_stops() {
             test.expect_no_complaints();
         }
     }
+}
+
+#[test]
+fn a_piston_raises_the_level_by_what_it_displaces() {
+    for choice in [ALL[0], ALL[2]] {
+        let mut test = moving_app();
+        let domain =
+            FluidDomain { count_leaks: true, ..FluidDomain::with_spacing(SPACING).on(choice.0).in_mode(choice.1) };
+        let domain = test.spawn(domain);
+        // 1.5 m x 0.5 m of water, 0.4 m deep, between the piston and the end of a tank.
+        test.spawn((FluidContainer::open_box(2.0, 1.2, 0.5), Transform::from_xyz(1.0, 0.6, 0.25)));
+        test.spawn((FluidVolume::from(Cuboid::new(1.5, 0.4, 0.5)), Transform::from_xyz(1.25, 0.2, 0.25)));
+        let piston = FluidBoundary::cuboid(0.3, 1.2, 0.5).moving();
+        // v = 0.5 m/s for t = 1 s displace v t A = 0.5 m x 0.5 m of ground, of which what is left is 1 m long.
+        let piston = test.spawn((piston, Transform::from_xyz(0.35, 0.6, 0.25)));
+        test.tick(8);
+        let begin = level(&positions(&mut test, domain));
+        test.world().entity_mut(piston).insert(Moves { way: Vec3::X * 0.5, turn: 0.0 });
+        test.tick(64);
+        test.world().entity_mut(piston).remove::<Moves>();
+        // Two times to the end and back, of waves at sqrt(g D).
+        test.tick(96);
+        let end = level(&positions(&mut test, domain));
+        println!("{choice:?}: {begin} m, {end} m");
+        assert!((begin - 0.4).abs() < 0.01 && (end - 0.6).abs() < 0.015, "{choice:?}: {begin} m, {end} m");
+        let stats = test.settle(domain);
+        assert_eq!((stats.leaks, stats.removed, stats.particles), (Some(0), 0, 300), "{choice:?}");
+        test.expect_no_complaints();
+    }
+}
+
+/// Depth of water on a floor at zero: its middle is half as high.
+fn level(positions: &[Vec3]) -> f32 {
+    2.0 * mean(positions).y
 }
 
 #[test]
@@ -261,6 +321,9 @@ fn a_wall_that_is_put_elsewhere_or_scaled_does_not_throw_the_fluid() {
         test.tick(4);
         let stats = test.settle(domain);
         assert_eq!((stats.plannings, stats.leaks), (plannings, Some(0)), "{choice:?}");
+        // The water falls from 0.4 m, and gets as fast as a dam break's front, twice a wave: the wall, at 88 m/s, gives it nothing.
+        let front = 2.0 * (9.81f32 * 0.4).sqrt();
+        assert!(stats.max_speed < front, "{choice:?}: {} m/s", stats.max_speed);
         // Another scale is another shape: planned once.
         test.change::<Transform>(wall, |pose| pose.scale = Vec3::new(1.0, 0.5, 0.5));
         test.tick(6);
