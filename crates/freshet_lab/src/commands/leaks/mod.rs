@@ -24,8 +24,8 @@ use crate::verdict::{Bound, Verdict};
 /// A block thrown at a plate, into a bowl of triangles and into a valley; a cup of water that is pulled away (0.5, 2 and 10 m/s2) and turned
 /// over; a piston in a channel; a paddle in a tank; each at 0.5, 2 and 10 m/s. Then 10,000 single particles at 10 m/s at every shape, from two to four
 /// spacings, up to 60 degrees off the normal. Particles are followed at 240 looks a second, beside paddles up to
-/// 2 m/s at 60. One leaks when it goes through the middle of a thin wall or is deeper in a solid than its samples (0.92 spacings with the default kernel). Nothing is clamped or put back. Bound: none. Writes
-/// leaks.csv and leaks.svg (leaks_dfsph with `--method divergence-free`).
+/// 2 m/s at 60. One leaks when it goes through the middle of a thin wall or is deeper in a solid than its samples (0.92 spacings with the
+/// default kernel). Nothing is clamped or put back. Bound: none. Writes leaks.csv and leaks.svg (leaks_dfsph with `--method divergence-free`).
 #[derive(Args, Clone, Debug)]
 pub struct LeaksArgs {
     /// Options every command has. Short form: 10 m/s only and a tenth of the shots.
