@@ -52,12 +52,12 @@ fn begin_bodies(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
         }
     }
     // It starts from where the last tick left it and drifts to its place: what contacts and joints do to a body the solver
-    // learns a tick later, and where it jumped to there would be fluid.
+    // learns a tick later, and where it jumped to there would be fluid. One that has been put elsewhere jumps.
     var drift = vec3<f32>(0.0);
     var turn = vec3<f32>(0.0);
     let away = position - fields::body_position(body);
     let duration = fields::control.asked;
-    if (was_placed && duration > 0.0 && length(away) <= fields::parameters.body_reach) {
+    if (was_placed && given.is_put == 0u && duration > 0.0 && length(away) <= fields::parameters.body_reach) {
         let limit = fields::parameters.expected_speed;
         drift = at_most(away / duration, limit);
         turn = at_most(rotation::between(fields::body_rotation(body), turning) / duration, limit / fields::parameters.body_reach);

@@ -8,6 +8,8 @@
 //! Walls do not move particles, so that there is nobody who could bring one back unseen. What has no way to be told
 //! does not count: a particle that goes around the rim of an open surface, or leaves the bounds. Where one goes around an edge by more than about three
 //! spacings between two looks, its straight way may cut the edge off: look more often, once for each two spacings of way.
+//!
+//! The lab's trials count by formulas of their own instead (`freshet_lab::commands::leaks`), so that this is not judged by itself.
 
 use std::collections::HashMap;
 
@@ -145,20 +147,21 @@ impl LeakWatch {
         self.total
     }
 
-    /// Looks at all particles there are; returns how many have leaked since the last look. A particle that was not there then leaks
-    /// if it is behind a wall now; lists of different lengths end with the shorter.
+    /// Looks at all particles there are; returns how many have leaked since the last look. A particle that was not there then has no way
+    /// yet: it leaks if it is deeper in a wall than samples lie, where the wall is now. Lists of different lengths end with the shorter.
     pub fn look(&mut self, ids: &[u32], positions: &[Vec3]) -> u32 {
         let mut seen = HashMap::with_capacity(ids.len());
         let mut count = 0;
         for (&id, &position) in ids.iter().zip(positions) {
+            let before = self.seen.get(&id);
+            let from = before.map(|before| before.position);
             let new = Seen { position, slack: 0.0, entry: None, leaked: false };
-            let before = self.seen.get(&id).copied().unwrap_or(new);
-            let mut now = Seen { position, ..before };
-            if !before.leaked {
-                now.slack -= self.way(before.position, position);
+            let mut now = before.map_or(new, |before| Seen { position, ..*before });
+            if !now.leaked {
+                now.slack -= from.map_or(0.0, |from| self.way(from, position));
                 // A comparison with not-a-number is false: what is nowhere is not followed.
                 if now.slack <= 0.0 && position.is_finite() {
-                    match self.follow(before.position, position, before.entry) {
+                    match self.follow(from, position, now.entry) {
                         Followed::Through => now.leaked = true,
                         Followed::Held(slack, entry) => (now.slack, now.entry) = (slack, entry),
                     }
@@ -182,11 +185,12 @@ impl LeakWatch {
         seen.fold(from.distance(to), f32::max)
     }
 
-    /// What becomes of a particle that came as `entry` says into what it is in.
-    fn follow(&self, from: Vec3, to: Vec3, entry: Option<Entry>) -> Followed {
+    /// What becomes of a particle that came as `entry` says into what it is in; without a place where it was it has just come.
+    fn follow(&self, from: Option<Vec3>, to: Vec3, entry: Option<Entry>) -> Followed {
         let (mut nearest, mut at) = (f32::INFINITY, None);
         for (i, wall) in self.walls.iter().enumerate() {
-            let (from, to) = (wall.before.to_local(from), wall.now.to_local(to));
+            let to = wall.now.to_local(to);
+            let from = from.map_or(to, |from| wall.before.to_local(from));
             for (j, solid) in wall.solids.iter().enumerate() {
                 let of = [i, j];
                 let came = entry.filter(|entry| entry.of == of).map(|entry| entry.normal);

@@ -197,6 +197,10 @@ pub struct BodyInput {
     pub corrected_before: u64,
     /// Whether displacements are corrected too (a body without contact or joint).
     pub free: bool,
+    /// Whether it has been put at its place since the last tick: the tick starts from there. Otherwise it starts from where the last tick
+    /// left the body, if that is near, and the body drifts to its place, pushing fluid.
+    #[serde(default)]
+    pub placed: bool,
 }
 
 impl Default for BodyInput {
@@ -212,6 +216,7 @@ impl Default for BodyInput {
             forecast: Impulse::default(),
             corrected_before: u64::MAX,
             free: true,
+            placed: false,
         }
     }
 }

@@ -392,8 +392,10 @@ impl CpuSolver {
             })
             .collect();
         let parameters = &self.plan.parameters;
-        for (body, left) in self.bodies.iter_mut().zip(&self.poses) {
-            if let Some(left) = left {
+        for ((body, left), given) in self.bodies.iter_mut().zip(&self.poses).zip(&input.bodies) {
+            if let Some(left) = left
+                && !given.placed
+            {
                 body.continue_from(left, input.duration + self.carry, parameters);
             }
         }

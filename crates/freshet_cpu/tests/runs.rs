@@ -412,3 +412,22 @@ fn a_body_gets_what_the_fluid_loses() {
     assert!(given.x > 1.0, "the block hit: {given}");
     assert!((lost - given).length() < 1e-4 * given.length(), "{lost} against {given}");
 }
+
+#[test]
+fn a_body_that_is_put_elsewhere_starts_from_there() {
+    let mut scene = FluidScene { gravity: Vec3::ZERO, ..FluidScene::with_spacing(0.05) };
+    scene.volumes = vec![Volume::block(Vec3::splat(0.1), Vec3::X)];
+    scene.settings.expected_speed = Some(2.0);
+    let samples = scene.wall_layer().unwrap().sphere_surface(0.1).unwrap();
+    scene.bodies = vec![Body { name: "ball".to_owned(), samples, ..Body::default() }];
+    // Two centimetres are within a body's reach: it drifts there, at 2 m/s.
+    for (placed, wanted) in [(false, 0.01), (true, 0.02)] {
+        let mut solver = solver(&scene, 1);
+        for (tick, y) in [(0, 0.0), (1, 0.02)] {
+            let body = BodyInput { position: Vec3::Y * y, placed, ..BodyInput::default() };
+            solver.step(&StepInput { tick, duration: 0.005, bodies: vec![body], commands: Vec::new() }).unwrap();
+        }
+        let y = solver.snapshot().unwrap().poses[0].unwrap().position.y;
+        assert!((y - wanted).abs() < 1e-6, "placed: {placed}: {y}");
+    }
+}

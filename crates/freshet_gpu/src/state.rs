@@ -203,6 +203,7 @@ impl From<&BodyInput> for BodyInputRecord {
             linear_velocity: body.linear_velocity,
             is_free: u32::from(body.free),
             angular_velocity: body.angular_velocity,
+            is_put: u32::from(body.placed),
             inertia_x: body.inverse_inertia.x_axis,
             inertia_y: body.inverse_inertia.y_axis,
             inertia_z: body.inverse_inertia.z_axis,

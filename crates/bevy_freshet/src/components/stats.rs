@@ -62,7 +62,8 @@ pub struct FluidStats {
     pub passes: Vec<FluidPassTime>,
     /// How often the domain has been planned so far: at the start, and whenever walls, bodies, volumes or settings change.
     pub plannings: u64,
-    /// What the plan decided or warns of, such as a sound speed below ten times the expected speed.
+    /// What the plan decided or warns of, such as a sound speed below ten times the expected speed, or a wall along which fluid slips because it has
+    /// been moved ([`FluidWallMotion::Auto`](super::wall::FluidWallMotion::Auto)).
     pub notes: Vec<String>,
 }
 

@@ -162,12 +162,13 @@ pub(crate) struct Motions<'a> {
     /// As last planned.
     before: &'a [Wall],
     moved: &'a mut HashSet<Entity>,
+    placed: &'a HashSet<Entity>,
 }
 
 impl<'a> Motions<'a> {
-    /// Walls that have moved since the last planning count as moving.
-    pub(crate) fn new(before: Option<&'a Recipe>, moved: &'a mut HashSet<Entity>) -> Self {
-        Self { before: before.map_or(&[], |recipe| &recipe.walls), moved }
+    /// Walls that have moved since the last planning count as moving, if they have not been placed.
+    pub(crate) fn new(before: Option<&'a Recipe>, moved: &'a mut HashSet<Entity>, placed: &'a HashSet<Entity>) -> Self {
+        Self { before: before.map_or(&[], |recipe| &recipe.walls), moved, placed }
     }
 
     /// Whether a wall moves.
@@ -182,10 +183,10 @@ impl<'a> Motions<'a> {
         motion == FluidWallMotion::Moving || self.moved.contains(&wall.entity)
     }
 
-    /// The same wall as it stood in the last planning.
+    /// The same wall as it stood in the last planning, if it has not been placed since.
     fn stood(&self, wall: &Wall) -> Option<&'a Wall> {
         let is_same = |before: &&Wall| before.entity == wall.entity && before.boundary.shape == wall.boundary.shape;
-        self.before.iter().find(is_same)
+        self.before.iter().find(is_same).filter(|_| !self.placed.contains(&wall.entity))
     }
 }
 
@@ -274,11 +275,9 @@ impl Gather<'_, '_, '_, '_> {
         if velocity != Vec3::ZERO {
             complain(InvalidInput::new("velocity", velocity, "zero of a wall that moves (motion: Still keeps it)"));
         }
-        let from = self.motions.stood(&wall).map(|before| {
-            let Boundary { center, rotation, .. } = before.boundary;
-            Isometry3d::new(center, rotation)
-        });
-        walls.movers.push(Mover { entity, component, shape: wall.boundary.shape, stretch, pose, from });
+        let from = self.motions.stood(&wall).map(Wall::pose);
+        let (shape, is_auto) = (wall.boundary.shape, motion == FluidWallMotion::Auto);
+        walls.movers.push(Mover { entity, component, shape, stretch, pose, from, is_auto });
     }
 
     /// A wall whose shape is made of a mesh, heights or an image.

@@ -92,6 +92,8 @@ impl Plugin for FluidSimulationPlugin {
                         .in_set(FreshetSystems::Step),
                 ),
             );
+        // After whatever an app moves in a frame.
+        app.add_systems(Last, ticking::place_walls.run_if(ticking::time_stands_still));
         app.add_plugins(crate::gpu::GpuDriverPlugin);
     }
 }

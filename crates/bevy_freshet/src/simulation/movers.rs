@@ -10,10 +10,13 @@ use freshet_core::scene::{Body, Boundary, BoundaryShape};
 use freshet_core::step::BodyInput;
 
 use super::gather::rigid_frame;
+use super::problems::Problem;
+use super::recipe::is_moved;
 use super::walls::stretch::{is_same_stretch, stretched_frame};
 
-/// Speed over the expected speed above which a wall has been put elsewhere: that of sound, by default.
-const PUT: f32 = 10.0;
+/// Speed over the expected speed above which a wall has been put elsewhere. By then sound, ten times the expected speed by default, lets what it
+/// hits be pressed by a sixth, `(v / c)^2`: nothing is meant to move like that.
+const PUT: f32 = 4.0;
 
 /// A wall that moves, as it is asked for.
 #[derive(Clone, Debug)]
@@ -27,6 +30,8 @@ pub(crate) struct Mover {
     pub(crate) pose: Isometry3d,
     /// Where it stood until now, likewise, if it has been moved for the first time.
     pub(crate) from: Option<Isometry3d>,
+    /// Whether it moves because it has been moved, not because it was asked to.
+    pub(crate) is_auto: bool,
 }
 
 impl Mover {
@@ -34,6 +39,18 @@ impl Mover {
     pub(crate) fn boundary(&self) -> Boundary {
         let (center, rotation) = (self.pose.translation.into(), self.pose.rotation);
         Boundary { rotation, ..Boundary::new(self.shape.clone(), center) }
+    }
+
+    /// What its user may not expect of it.
+    pub(crate) fn note(&self) -> Option<String> {
+        let Self { entity, component, .. } = self;
+        let message = || {
+            format!(
+                "{component} of entity {entity} moves because it has been moved (motion: Auto): fluid slips along it from here on, without drag \
+                 or friction; motion: Still keeps them, Moving leaves this note out"
+            )
+        };
+        self.is_auto.then(message)
     }
 
     /// Lowest and highest corner of the space that its samples take, m in the domain's frame.
@@ -78,6 +95,7 @@ impl MoverBodies {
 #[derive(Clone, Debug)]
 pub(crate) struct MovingWall {
     pub(crate) entity: Entity,
+    component: &'static str,
     stretch: Option<Mat3>,
     /// The farthest of its samples from its centre, m.
     reach: f32,
@@ -89,6 +107,10 @@ pub(crate) struct MovingWall {
     looked: Option<Isometry3d>,
     /// Whether it has been put elsewhere since the last look.
     is_put: bool,
+    /// Whether it has been put elsewhere since the last tick.
+    is_placed: bool,
+    /// Whether the last tick left it wholly within the bounds.
+    is_within: bool,
 }
 
 /// What a tick is told of a wall, and whether its scale is that of its shape.
@@ -105,8 +127,11 @@ impl MovingWall {
         let pose = before.and_then(|wall| wall.pose).or(mover.from);
         let looked = before.and_then(|wall| wall.looked).or(mover.from);
         let is_put = before.is_some_and(|wall| wall.is_put);
+        let is_placed = before.is_some_and(|wall| wall.is_placed);
         let is_known = before.is_some_and(|wall| wall.is_known);
-        Self { entity: mover.entity, stretch: mover.stretch, reach, pose, is_known, looked, is_put }
+        let is_within = before.is_some_and(|wall| wall.is_within);
+        let Mover { entity, component, stretch, .. } = *mover;
+        Self { entity, component, stretch, reach, pose, is_known, looked, is_put, is_placed, is_within }
     }
 
     /// Has a watch that has just been given the plan's walls take its way from where it was at the last look.
@@ -136,6 +161,47 @@ impl MovingWall {
         self.pose = None;
     }
 
+    /// Puts it where its entity is, if that is not where the last tick left it.
+    pub(crate) fn place(&mut self, transforms: &TransformHelper, frame: Isometry3d) {
+        let Ok((pose, _)) = self.find(transforms) else { return };
+        let now = frame.inverse() * pose;
+        if self.pose.is_some_and(|before| is_moved(before, now)) {
+            self.put(now);
+        }
+    }
+
+    /// What is wrong if it has gone out of the bounds of a plan, where its body has these samples, since it was last asked.
+    pub(crate) fn goes_out(&mut self, plan: &Plan, samples: &[Vec3]) -> Option<Problem> {
+        let pose = self.pose?;
+        let (min, max) = (plan.parameters.bounds_min, plan.parameters.bounds_max);
+        let is_in = |point: Vec3, margin: f32| (point - min).min(max - point).min_element() >= margin;
+        // Most are far from the bounds.
+        let is_within = is_in(pose.translation.into(), self.reach) || samples.iter().all(|&at| is_in(pose * at, 0.0));
+        let was_within = std::mem::replace(&mut self.is_within, is_within);
+        let message = || {
+            format!(
+                "Transform: it has gone out of the domain's bounds, {min} to {max} m, and fluid that goes with it is removed; allowed: within \
+                 FluidSettings::bounds, which can be set around its whole way"
+            )
+        };
+        (was_within && !is_within).then(|| Problem::new(self.entity, self.component, message()))
+    }
+
+    /// It has been put elsewhere.
+    fn put(&mut self, now: Isometry3d) {
+        (self.pose, self.looked) = (Some(now), Some(now));
+        (self.is_put, self.is_placed) = (true, true);
+    }
+
+    /// Where its entity is in the world, and whether its scale is that of its shape.
+    fn find(&self, transforms: &TransformHelper) -> Result<(Isometry3d, bool), String> {
+        match self.stretch {
+            Some(planned) => stretched_frame(transforms, self.entity)
+                .map(|(pose, stretch)| (pose, is_same_stretch(stretch, planned))),
+            None => rigid_frame(transforms, self.entity).map(|pose| (pose, true)),
+        }
+    }
+
     /// Moves it to where its entity is, in a tick of so many seconds.
     pub(crate) fn advance(
         &mut self,
@@ -144,13 +210,8 @@ impl MovingWall {
         duration: f32,
         plan: &Plan,
     ) -> Told {
-        let found = match self.stretch {
-            Some(planned) => stretched_frame(transforms, self.entity)
-                .map(|(pose, stretch)| (pose, is_same_stretch(stretch, planned))),
-            None => rigid_frame(transforms, self.entity).map(|pose| (pose, true)),
-        };
         // One whose transform is of no use stays where it is, until planning says what is wrong.
-        let (now, is_same) = match (found, self.pose) {
+        let (now, is_same) = match (self.find(transforms), self.pose) {
             (Ok((pose, is_same)), _) => (frame.inverse() * pose, is_same),
             (Err(_), Some(pose)) => (pose, false),
             (Err(_), None) => (Isometry3d::IDENTITY, false),
@@ -159,20 +220,22 @@ impl MovingWall {
         let (away, turn) = difference(before, now);
         let way = away.length() + turn.length() * self.reach;
         let (expected, reach) = (plan.parameters.expected_speed, plan.parameters.body_reach());
-        let is_put = self.pose.is_none() || way > (PUT * expected * duration).max(reach);
+        let is_put = self.pose.is_none() || way > (PUT * expected * duration).max(plan.parameters.support_radius);
         if is_put {
-            (self.looked, self.is_put) = (Some(now), true);
+            self.put(now);
         }
         self.pose = Some(now);
         let was_known = std::mem::replace(&mut self.is_known, true);
-        let still = BodyInput { position: now.translation.into(), rotation: now.rotation, free: false, ..default() };
+        let placed = std::mem::take(&mut self.is_placed);
+        let (position, rotation) = (now.translation.into(), now.rotation);
+        let still = BodyInput { position, rotation, free: false, placed, ..default() };
         let input = if is_put || duration <= 0.0 || (away, turn) == (Vec3::ZERO, Vec3::ZERO) {
             still
         } else {
             // A solver runs a tick for longer where the one before fell behind: a velocity takes the wall too far then. To a place it
             // drifts from where it is, just as fast, up to the speeds and ways that solvers allow; of those, half is left for what it lags
             // behind. Only a budget leaves out time for good: a wall may then be faster in the fluid's time than it could drift.
-            let drifts = was_known && plan.budget_milliseconds.is_none();
+            let drifts = was_known && !placed && plan.budget_milliseconds.is_none();
             let most = if drifts { expected.min(0.5 * reach / duration) } else { 0.0 };
             let (speed, spin) = (away / duration, turn / duration);
             let (drift, turning) = (speed.clamp_length_max(most), spin.clamp_length_max(most / reach));
@@ -219,10 +282,19 @@ mod tests {
         fn new() -> Self {
             let mut world = World::new();
             let entity = world.spawn(Transform::default()).id();
-            let scene = FluidScene::with_spacing(0.1);
+            let mut scene = FluidScene::with_spacing(0.1);
+            scene.settings.expected_speed = Some(6.0);
             let (layer, plan) = (scene.wall_layer().unwrap(), Plan::new(&scene).unwrap());
             let shape = BoundaryShape::Box { half_extents: Vec3::new(1.0, 0.02, 1.0) };
-            let mover = Mover { entity, component: "", shape, stretch: None, pose: Isometry3d::IDENTITY, from: None };
+            let mover = Mover {
+                entity,
+                component: "",
+                shape,
+                stretch: None,
+                pose: Isometry3d::IDENTITY,
+                from: None,
+                is_auto: false,
+            };
             let watch = LeakWatch::new(&layer, &[mover.boundary()]);
             Self { world, wall: MovingWall::new(&mover, &[], &[]), mover, watch, layer, plan }
         }

@@ -42,6 +42,7 @@ pub(crate) fn carry_out(
     }
     state.emitters = recipe.sources.iter().map(|source| source.entity).collect();
     stats.notes.clone_from(&plan.notes);
+    stats.notes.extend(recipe.movers.iter().filter_map(Mover::note));
     state.problems.extend(left_out(&plan, recipe));
     let Some(old) = &state.plan else {
         state.engine = start(domain, backend, &plan, None, (state, stats), hardware);

@@ -46,7 +46,7 @@ pub(crate) fn plan_domains(
         let gravity = domain.gravity.unwrap_or(default_gravity.0);
         let backend = hardware.choose(domain.backend);
         let state = &mut *state;
-        let mut motions = Motions::new(state.recipe.as_ref(), &mut state.moved);
+        let mut motions = Motions::new(state.recipe.as_ref(), &mut state.moved, &state.placed);
         let which = (count == 1, false);
         let mut recipe =
             sources.recipe(entity, domain, (frame, gravity), which, &mut motions, &mut shapes, &mut current);
@@ -78,7 +78,7 @@ pub(crate) fn plan_domains(
             if state.stopped {
                 // Its particles are lost: the domain starts from all its volumes again.
                 let which = (count == 1, true);
-                let mut motions = Motions::new(state.recipe.as_ref(), &mut state.moved);
+                let mut motions = Motions::new(state.recipe.as_ref(), &mut state.moved, &state.placed);
                 recipe =
                     sources.recipe(entity, domain, (frame, gravity), which, &mut motions, &mut shapes, &mut Vec::new());
             }
@@ -90,6 +90,7 @@ pub(crate) fn plan_domains(
             state.gravity = recipe.gravity;
             state.commands.push(Command::SetGravity(recipe.gravity));
         }
+        state.placed.clear();
         current.extend(state.problems.iter().cloned());
     }
     shapes.drop_unused();

@@ -23,10 +23,20 @@ pub(crate) struct Wall {
 impl Wall {
     /// Whether it is not where another is, by more than rounding.
     pub(crate) fn is_moved_from(&self, other: &Self) -> bool {
-        let (a, b) = (&self.boundary, &other.boundary);
-        let is_there = a.center.distance(b.center) <= SAME_PLACE && angle_between(a.rotation, b.rotation) <= SAME_PLACE;
-        !is_there
+        is_moved(other.pose(), self.pose())
     }
+
+    /// Where it is, in the domain's frame.
+    pub(crate) fn pose(&self) -> Isometry3d {
+        Isometry3d::new(self.boundary.center, self.boundary.rotation)
+    }
+}
+
+/// Whether two poses differ by more than rounding.
+pub(crate) fn is_moved(before: Isometry3d, now: Isometry3d) -> bool {
+    let away = before.translation.distance(now.translation);
+    let is_there = away <= SAME_PLACE && angle_between(before.rotation, now.rotation) <= SAME_PLACE;
+    !is_there
 }
 
 /// A volume that has not been poured.

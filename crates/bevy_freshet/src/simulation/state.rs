@@ -96,6 +96,8 @@ pub(crate) struct DomainState {
     pub(crate) mover_bodies: MoverBodies,
     /// Walls that have been moved, and count as moving from there on.
     pub(crate) moved: HashSet<Entity>,
+    /// Walls of the plan's that were put elsewhere while time stood still: they have not been moved.
+    pub(crate) placed: HashSet<Entity>,
     /// All walls of the plan, and then those that move, where they were when it was made.
     pub(crate) boundaries: Vec<Boundary>,
     /// Where samples of walls lie.

@@ -7,11 +7,33 @@ use freshet_core::step::{BodyInput, Command, StepInput};
 use super::collecting::wait_for_all;
 use super::gather::{rigid_frame, to_emitter};
 use super::movers::MovingWall;
+use super::recipe::is_moved;
 use super::state::{DomainState, SentTick};
+use super::walls::stretch::stretched_frame;
 use crate::components::domain::FluidMode;
 use crate::components::emitter::FluidEmitter;
 use crate::components::stats::FluidStats;
 use crate::engine::Order;
+
+/// Run condition: whether the app's time stands still.
+pub(crate) fn time_stands_still(time: Res<Time<Virtual>>) -> bool {
+    time.delta().is_zero()
+}
+
+/// Walls that are moved while time stands still are put where they are.
+pub(crate) fn place_walls(mut domains: Query<(Entity, &mut DomainState)>, transforms: TransformHelper) {
+    for (domain, mut state) in &mut domains {
+        let Ok(frame) = rigid_frame(&transforms, domain) else { continue };
+        let DomainState { movers, recipe, placed, .. } = &mut *state;
+        movers.iter_mut().for_each(|mover| mover.place(&transforms, frame));
+        for wall in recipe.iter().flat_map(|recipe| &recipe.walls) {
+            let now = stretched_frame(&transforms, wall.entity).map(|(pose, _)| frame.inverse() * pose);
+            if now.is_ok_and(|now| is_moved(wall.pose(), now)) {
+                placed.insert(wall.entity);
+            }
+        }
+    }
+}
 
 /// Sends a tick to every domain that has fluid; in lockstep, waits for it.
 pub(crate) fn send_ticks(
@@ -55,9 +77,11 @@ pub(crate) fn send_ticks(
         // Without the coupling, or for a body it has lost, a body stands still at the origin of its samples.
         let mut bodies = std::mem::take(&mut state.body_inputs);
         bodies.resize(state.body_entities.len(), BodyInput::default());
+        let mut gone_out = Vec::new();
         for mover in &mut state.movers {
             let told = mover.advance(&transforms, state.frame, duration, plan);
             state.asks_for_planning |= told.has_changed;
+            gone_out.extend(plan.bodies.get(bodies.len()).and_then(|body| mover.goes_out(plan, &body.samples)));
             bodies.push(told.input);
         }
         bodies.resize(plan.bodies.len(), BodyInput::default());
@@ -65,6 +89,7 @@ pub(crate) fn send_ticks(
         engine.send(Order::Tick(StepInput { tick: state.tick, duration, bodies, commands }));
         state.sent.push_back(SentTick { tick: state.tick, bodies: state.body_entities.clone() });
         state.tick += 1;
+        gone_out.into_iter().for_each(|problem| state.complain(problem));
         stats.ticks_in_flight = state.sent.len() as u64;
         if state.mode == FluidMode::Lockstep {
             wait_for_all(entity, state, &mut stats);

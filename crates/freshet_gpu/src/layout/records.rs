@@ -357,36 +357,36 @@ wgsl_struct! {
         is_free: u32,
         /// rad/s.
         angular_velocity: Vec3,
-        /// Unused.
-        pad_a: u32,
+        /// Whether it has been put at `position` since the last tick.
+        is_put: u32,
         /// First column of the inverse inertia, 1/(kg m2).
         inertia_x: Vec3,
         /// Unused.
-        pad_b: u32,
+        pad_a: u32,
         /// Second column.
         inertia_y: Vec3,
         /// Unused.
-        pad_c: u32,
+        pad_b: u32,
         /// Third column.
         inertia_z: Vec3,
         /// Unused.
-        pad_d: u32,
+        pad_c: u32,
         /// m/s2.
         acceleration: Vec3,
         /// Unused.
-        pad_e: u32,
+        pad_d: u32,
         /// N s.
         forecast_linear: Vec3,
         /// Unused.
-        pad_f: u32,
+        pad_e: u32,
         /// N m s.
         forecast_angular: Vec3,
         /// Unused.
-        pad_g: u32,
+        pad_f: u32,
         /// The engine has been corrected for all ticks before this one.
         corrected_before: [u32; 2],
         /// Unused.
-        pad_h: [u32; 2],
+        pad_g: [u32; 2],
     }
 
     /// A body during a tick.

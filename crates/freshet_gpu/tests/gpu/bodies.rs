@@ -182,6 +182,22 @@ fn what_the_engine_has_not_heard_of_is_added_until_it_has() {
 }
 
 #[test]
+fn a_body_that_is_put_elsewhere_starts_from_there() {
+    let (scene, body) = block_and_ball();
+    // Two centimetres are within a body's reach: it drifts there, at 2 m/s.
+    for (placed, wanted) in [(false, 0.01), (true, 0.02)] {
+        let mut solver = solver(&scene);
+        for (number, y) in [(0, 0.0), (1, 0.02)] {
+            let fixed = BodyInput { inverse_mass: 0.0, inverse_inertia: Mat3::ZERO, placed, ..body };
+            let body = BodyInput { position: Vec3::new(1.0, y, 0.0), ..fixed };
+            solver.step(&StepInput { bodies: vec![body], ..tick(number, 0.005) }).unwrap();
+        }
+        let y = solver.body_states().unwrap()[0].position.y;
+        assert!((y - wanted).abs() < 1e-6, "placed: {placed}: {y}");
+    }
+}
+
+#[test]
 fn loads_do_not_depend_on_the_workgroup_size() {
     let (scene, body) = block_and_ball();
     let run = |workgroup_size| {

@@ -1,138 +1,22 @@
 //! Bodies in an incompressible fluid: fluid and bodies solved for as one, against sums over all pairs in double precision, and what must
 //! come of it.
 
-use std::f32::consts::PI;
-
 use freshet_core::prelude::*;
 use freshet_gpu::{GpuOptions, GpuSolver, NeighbourMemory};
 use glam::DVec3;
 
 use crate::common::{device, solver, solver_with, tick};
 
+#[path = "../../../freshet_cpu/tests/common/floating.rs"]
+mod floating;
 #[path = "../../../freshet_cpu/tests/common/reference.rs"]
-mod pairs;
-use pairs::{Reference, disturbed};
+mod reference;
+use floating::{Ball, assert_a_body_gets_what_the_fluid_loses, assert_substeps_are_short_enough_for_what_turns, ball};
+use floating::{blade, block_at_ball, deep_pool, disturbed_column, incompressible, momentum, substep_errors};
 
-fn incompressible(mut scene: FluidScene, solver: DivergenceFree) -> FluidScene {
-    scene.settings.pressure_solver = PressureSolver::DivergenceFree(solver);
-    scene
-}
-
-fn ball(scene: &FluidScene, radius: f32) -> Body {
-    let samples = scene.wall_layer().unwrap().sphere_surface(radius).unwrap();
-    let solids = vec![Solid::ball(radius, Vec3::ZERO)];
-    Body { name: "ball".to_owned(), samples, solids }
-}
-
-/// A column of 0.25 m in an open box, and a body for each input, the centre of mass of which is not that of the ball.
-fn column_with(bodies: usize, tolerance: f32) -> FluidScene {
-    let scene = FluidScene {
-        volumes: vec![Volume::block(Vec3::splat(0.125), Vec3::Y * 0.125)],
-        boundaries: vec![Boundary::open_box(Vec3::new(0.25, 0.375, 0.25), Vec3::Y * 0.1875)],
-        ..FluidScene::with_spacing(0.025)
-    };
-    let mut small = ball(&scene, 0.04);
-    small.samples.iter_mut().for_each(|sample| *sample += Vec3::new(0.005, 0.0, 0.01));
-    small.solids.clear();
-    let settings = DivergenceFree { compression: tolerance, divergence: tolerance, max_iterations: 5000 };
-    let mut scene = incompressible(FluidScene { bodies: vec![small; bodies], ..scene }, settings);
-    scene.settings.artificial_viscosity = 0.0;
-    scene
-}
-
-/// A body that the fluid cannot move, one that it can, and one that weighs next to nothing; the first two share particles.
-fn three_bodies() -> Vec<BodyInput> {
-    let lopsided = Mat3::from_cols(Vec3::new(9e3, 1e3, 0.0), Vec3::new(1e3, 6e3, -5e2), Vec3::new(0.0, -5e2, 8e3));
-    vec![
-        BodyInput {
-            position: Vec3::new(-0.05, 0.08, 0.01),
-            linear_velocity: Vec3::new(0.3, 0.0, -0.1),
-            angular_velocity: Vec3::new(0.0, 4.0, -2.0),
-            ..BodyInput::default()
-        },
-        BodyInput {
-            position: Vec3::new(0.045, 0.1, 0.0),
-            rotation: Quat::from_rotation_x(0.7),
-            linear_velocity: Vec3::new(-0.2, -0.3, 0.0),
-            angular_velocity: Vec3::new(3.0, 0.0, 1.0),
-            inverse_mass: 1.0 / 0.2,
-            inverse_inertia: lopsided,
-            acceleration: Vec3::new(0.0, -9.81, 0.0),
-            ..BodyInput::default()
-        },
-        BodyInput {
-            position: Vec3::new(0.0, 0.2, -0.05),
-            inverse_mass: 1.0 / 0.005,
-            inverse_inertia: 30.0 * lopsided,
-            acceleration: Vec3::new(0.0, -9.81, 0.0),
-            ..BodyInput::default()
-        },
-    ]
-}
-
-/// How a substep of 1 ms from a disturbed state differs from what it should be, each over what is allowed: velocities from those that
-/// the pressures reported make of them; impulses, and where bodies are, from what these do to them; what is left of the divergence,
-/// in the mean of all particles; not solved at all is infinite.
+/// Of one substep.
 fn errors(kernel: KernelKind, options: GpuOptions) -> [f64; 4] {
-    let mut scene = column_with(3, 1e-5);
-    scene.settings.kernel = kernel;
-    let plan = Plan::new(&scene).unwrap();
-    let (start, bodies) = (disturbed(&plan), three_bodies());
-    let mut solver = solver_with(&scene, options);
-    solver.restore(&Snapshot { tick: 1, ..start.clone() }).unwrap();
-    let duration = 1e-3;
-    let report = solver.step(&StepInput { bodies: bodies.clone(), ..tick(1, duration) }).unwrap();
-    assert_eq!((report.substeps, report.removed), (1, 0), "{kernel:?}");
-    let end = solver.snapshot().unwrap();
-    if report.unsolved > 0 || end.ids.len() != start.ids.len() {
-        return [f64::INFINITY; 4];
-    }
-
-    let reference = Reference::new(&plan, &start.positions, &bodies);
-    let dt = f64::from(duration);
-    let velocities: Vec<DVec3> = end.velocities.iter().map(|v| v.as_dvec3()).collect();
-    let pressures: Vec<f64> = end.pressures.iter().map(|&p| f64::from(p)).collect();
-    assert!(pressures.iter().all(|&pressure| pressure >= 0.0));
-    let (mut of_fluid, mut of_impulses, mut of_poses): (f64, f64, f64) = (0.0, 0.0, 0.0);
-    for (i, acceleration) in reference.accelerations(&pressures).iter().enumerate() {
-        let expected = start.velocities[i].as_dvec3() + dt * (scene.gravity.as_dvec3() + *acceleration);
-        let allowed = 1e-4 * dt * acceleration.length().max(10.0) + 1e-6;
-        of_fluid = of_fluid.max(velocities[i].distance(expected) / allowed);
-    }
-    let mut motions = Vec::new();
-    for (index, [force, torque]) in reference.loads(&pressures).into_iter().enumerate() {
-        let (body, impulse, pose) = (&bodies[index], report.bodies[index], end.poses[index].unwrap());
-        assert!(force.length() > 0.1 && torque.length() > 1e-4, "{index}: {force} N, {torque} N m");
-        let [linear, angular] = [impulse.linear.as_dvec3(), impulse.angular.as_dvec3()];
-        of_impulses = of_impulses.max(linear.distance(dt * force) / (1e-4 * dt * force.length()));
-        of_impulses = of_impulses.max(angular.distance(dt * torque) / (1e-3 * dt * torque.length()));
-        let acceleration = f64::from(body.inverse_mass) * force + body.acceleration.as_dvec3();
-        let velocity = body.linear_velocity.as_dvec3() + dt * acceleration;
-        let spin = body.angular_velocity.as_dvec3() + dt * (body.inverse_inertia.as_dmat3() * torque);
-        let way = (pose.position - body.position).as_dvec3();
-        of_poses = of_poses.max(way.distance(dt * velocity) / 1e-6);
-        motions.push([velocity, spin]);
-    }
-    // The way of the fastest in a first substep is that of its velocity.
-    let fastest = start.velocities.iter().map(|v| v.length()).fold(0.0, f32::max);
-    let fastest = bodies.iter().map(|body| body.linear_velocity.length()).fold(fastest, f32::max);
-    let way = (fastest * duration / plan.parameters.longest_way()).min(1.0);
-    let share = DivergenceFree::share(way);
-    let densities = reference.densities();
-    let rates = reference.rates(&velocities, &motions);
-    // Without the bodies' motion it would not be solved at all.
-    let standing = reference.rates(&velocities, &[[DVec3::ZERO; 2]; 3]);
-    let (mut wrong, mut wrong_if_standing) = (0.0, 0.0);
-    for (i, pressure) in pressures.iter().enumerate() {
-        let source = f64::from(DivergenceFree::source((densities[i] - 1.0) as f32, share));
-        let measure = |left: f64| if *pressure > 0.0 { left.abs() } else { left.max(0.0) } / densities.len() as f64;
-        wrong += measure(source + dt * rates[i]);
-        wrong_if_standing += measure(source + dt * standing[i]);
-    }
-    let asked = f64::from(1e-5 * way);
-    println!("{kernel:?}: {wrong:e} left, {asked:e} asked for, {wrong_if_standing:e} with standing bodies, {report:?}");
-    assert!(wrong_if_standing > 30.0 * asked, "{wrong_if_standing}");
-    [of_fluid, of_impulses, of_poses, wrong / (1.5 * asked)]
+    substep_errors(&mut solver_with(&disturbed_column(kernel), options))
 }
 
 /// Particles are accelerated by the pressures that are reported, also against the bodies; bodies get the opposite as impulses and move by
@@ -160,58 +44,9 @@ fn a_substep_solves_for_fluid_and_bodies_together() {
     }
 }
 
-/// A rigid ball that an engine moves in lockstep: what the fluid gives it, it has.
-struct Ball {
-    input: BodyInput,
-    mass: f32,
-}
-
-impl Ball {
-    fn new(radius: f32, density: f32, position: Vec3, gravity: Vec3) -> Self {
-        let mass = density * 4.0 / 3.0 * PI * radius.powi(3);
-        let inverse_inertia = Mat3::from_diagonal(Vec3::splat(1.0 / (0.4 * mass * radius * radius)));
-        let input = BodyInput {
-            position,
-            inverse_mass: 1.0 / mass,
-            inverse_inertia,
-            acceleration: gravity,
-            ..BodyInput::default()
-        };
-        Self { input, mass }
-    }
-
-    fn tick(&mut self, solver: &mut GpuSolver, number: u64, duration: f32) -> StepReport {
-        let report = solver.step(&StepInput { bodies: vec![self.input], ..tick(number, duration) }).unwrap();
-        let state = solver.body_states().unwrap()[0];
-        let given = report.bodies[0];
-        self.input.linear_velocity += given.linear / self.mass + report.simulated as f32 * self.input.acceleration;
-        self.input.angular_velocity += self.input.inverse_inertia * given.angular;
-        (self.input.position, self.input.rotation) = (state.position, Quat::from_array(state.rotation));
-        report
-    }
-}
-
-/// Momentum, N s.
-fn momentum(solver: &mut GpuSolver) -> DVec3 {
-    let mass = f64::from(solver.plan().parameters.particle_mass);
-    solver.snapshot().unwrap().velocities.iter().map(|v| mass * v.as_dvec3()).sum()
-}
-
 #[test]
 fn a_body_gets_what_the_fluid_loses() {
-    let mut scene = FluidScene { gravity: Vec3::ZERO, ..FluidScene::with_spacing(0.05) };
-    scene.volumes = vec![Volume { velocity: Vec3::X, ..Volume::block(Vec3::splat(0.15), Vec3::new(-0.35, 0.02, 0.0)) }];
-    scene.bodies = vec![ball(&scene, 0.15)];
-    let mut solver = solver(&incompressible(scene, DivergenceFree::default()));
-    let before = momentum(&mut solver);
-    let mut ball = Ball::new(0.15, 700.0, Vec3::ZERO, Vec3::ZERO);
-    let mut given = DVec3::ZERO;
-    for number in 0..30 {
-        given += ball.tick(&mut solver, number, 0.01).bodies[0].linear.as_dvec3();
-    }
-    let lost = before - momentum(&mut solver);
-    assert!(given.x > 1.0 && ball.input.linear_velocity.x > 0.1, "the block hit: {given}");
-    assert!((lost - given).length() < 1e-5 * given.length(), "{lost} against {given}");
+    assert_a_body_gets_what_the_fluid_loses(&mut solver(&block_at_ball()));
 }
 
 /// A block of water thrown at a body that stands fast: angular momentum about the origin, too, in one substep. What positions are corrected
@@ -331,13 +166,7 @@ fn a_tick_that_nobody_waits_for_ends_its_solves_with_its_bodies() {
 /// by the bounds of the CPU's test (`crates/freshet_cpu/tests/incompressible_bodies.rs`).
 #[test]
 fn a_ball_begins_to_rise_or_sink_with_its_added_mass() {
-    let scene = FluidScene {
-        volumes: vec![Volume::block(Vec3::splat(0.5), Vec3::Y * 0.5)],
-        boundaries: vec![Boundary::open_box(Vec3::new(1.0, 1.6, 1.0), Vec3::Y * 0.8)],
-        ..FluidScene::with_spacing(0.05)
-    };
-    let scene = FluidScene { bodies: vec![ball(&scene, 0.15)], ..scene };
-    let scene = incompressible(scene, DivergenceFree::default());
+    let scene = deep_pool(0.15);
     let mut solver = solver(&scene);
     let held = BodyInput { position: Vec3::Y * 0.5, ..BodyInput::default() };
     for number in 0..60 {
@@ -415,17 +244,7 @@ fn odd_bodies_end_with_finite_numbers() {
     assert!(speeds.iter().all(|speed| speed.is_finite()));
 }
 
-/// A blade that turns about its end: where it is fast is not where its centre of mass is said to be.
 #[test]
 fn substeps_are_short_enough_for_what_turns() {
-    let mut scene = column_with(1, 1e-3);
-    scene.volumes.clear();
-    scene.settings.max_particles = Some(10);
-    scene.bodies[0].samples = (0..20u8).map(|i| Vec3::X * 0.025 * f32::from(i)).collect();
-    let (rate, reach) = (10.0, 0.025 * 19.0);
-    let bodies = vec![BodyInput { angular_velocity: Vec3::Y * rate, ..BodyInput::default() }];
-    let mut solver = solver(&scene);
-    let report = solver.step(&StepInput { duration: 1.0 / 60.0, bodies, ..StepInput::default() }).unwrap();
-    let way = report.smallest_substep * rate * reach;
-    assert!(way <= 1.001 * scene.settings.courant_factor * 0.025, "{way} m in a substep, {report:?}");
+    assert_substeps_are_short_enough_for_what_turns(&mut solver(&blade()));
 }

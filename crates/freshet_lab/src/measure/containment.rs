@@ -1,4 +1,7 @@
 //! Whether walls hold the fluid.
+//!
+//! Unlike [`LeakWatch`](freshet_core::leaks::LeakWatch), which has to see the ways of all particles, this looks once, at the end: it costs a run that is
+//! timed nothing, and knows no more of walls than the faces of the tank.
 
 use glam::Vec3;
 

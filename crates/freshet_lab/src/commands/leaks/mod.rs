@@ -23,9 +23,9 @@ use crate::verdict::{Bound, Verdict};
 ///
 /// A block thrown at a plate, into a bowl of triangles and into a valley; a cup of water that is pulled away (0.5, 2 and 10 m/s2) and turned
 /// over; a piston in a channel; a paddle in a tank; each at 0.5, 2 and 10 m/s. Then 10,000 single particles at 10 m/s at every shape, from two to four
-/// spacings, up to 60 degrees off the normal. Particles are followed at 240 looks a second. One leaks when it goes through the middle of a thin wall
-/// or is deeper in a solid than its samples (0.92 spacings with the default kernel). Nothing is clamped or put back. Bound: none. Writes
-/// leaks.csv and leaks.svg (leaks_dfsph with `--method divergence-free`).
+/// spacings, up to 60 degrees off the normal. Particles are followed at 240 looks a second, beside paddles up to
+/// 2 m/s at 60. One leaks when it goes through the middle of a thin wall or is deeper in a solid than its samples (0.92 spacings with the
+/// default kernel). Nothing is clamped or put back. Bound: none. Writes leaks.csv and leaks.svg (leaks_dfsph with `--method divergence-free`).
 #[derive(Args, Clone, Debug)]
 pub struct LeaksArgs {
     /// Options every command has. Short form: 10 m/s only and a tenth of the shots.
@@ -103,7 +103,7 @@ fn table(found: &[Found]) -> Table {
 
 fn csv(found: &[Found]) -> Csv {
     let comments = [
-        "What went through walls: `cargo run --release -p freshet_lab -- leaks`, or with `--method divergence-free`. Particles are followed at 240 looks a second; spacing 0.05 m.",
+        "What went through walls: `cargo run --release -p freshet_lab -- leaks`, or with `--method divergence-free`. Particles are followed at 240 looks a second, beside paddles up to 2 m/s at 60; spacing 0.05 m.",
         "deepest: how far one got into a solid, in spacings, where that can be told.",
     ];
     let columns = ["trial", "pace", "method", "backend", "particles", "leaks", "removed", "deepest_spacings"];
@@ -138,7 +138,7 @@ fn map(method: Method, found: &[Found]) -> HeatMap {
         title: format!("What gets through walls, {}", method.name()),
         notes: vec![
             format!(
-                "Spacing {} m, walls that are sheets as thick; particles followed at 240 looks a second.",
+                "Spacing {} m, walls that are sheets as thick; 240 looks a second at particles, beside slow paddles 60.",
                 trials::SPACING
             ),
             "leaks: particles that went through, of 500 to 4,600 and of 10,000 shots (short form: 1,000).".to_owned(),

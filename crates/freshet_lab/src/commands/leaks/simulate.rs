@@ -14,9 +14,6 @@ use crate::error::LabError;
 use crate::method::Method;
 use crate::progress::Progress;
 
-/// Time between two looks, s: what is as fast as 10 m/s goes 0.8 spacings.
-const TICK: f64 = 1.0 / 240.0;
-
 /// Shots that fly at the same time: few enough that they rarely meet.
 const SALVO: usize = 200;
 
@@ -81,12 +78,13 @@ fn flow(
     watch: &mut Watch,
     progress: &mut Progress,
 ) -> Result<u32, LabError> {
-    let ticks = (trial.seconds / TICK).ceil() as u64;
+    let ticks = (trial.seconds / trial.tick).ceil() as u64;
+    let duration = trial.tick as f32;
     let mut removed = 0;
     for tick in 0..ticks {
-        let [begin, end] = [tick, tick + 1].map(|tick| trial.pose(tick as f64 * TICK));
-        let bodies = trial.scene.bodies.iter().map(|_| moving(begin, end)).collect();
-        let report = solver.step(&StepInput { tick, duration: TICK as f32, bodies, ..StepInput::default() })?;
+        let [begin, end] = [tick, tick + 1].map(|tick| trial.pose(tick as f64 * trial.tick));
+        let bodies = trial.scene.bodies.iter().map(|_| moving(begin, end, duration)).collect();
+        let report = solver.step(&StepInput { tick, duration, bodies, ..StepInput::default() })?;
         removed += report.removed;
         watch.look(solver, end)?;
         progress.at((tick + 1) as f64 / ticks as f64);
@@ -103,7 +101,7 @@ fn fire(
 ) -> Result<u32, LabError> {
     let mut aim = Aim { wall: &trial.scene.boundaries[0], layer: trial.scene.wall_layer()?, state: 1 };
     let (mut tick, mut removed, mut fired) = (0, 0, 0);
-    let flight = (FLIGHT / TICK).ceil() as u64;
+    let flight = (FLIGHT / trial.tick).ceil() as u64;
     while fired < trial.shots {
         let (mut positions, mut velocities): (Vec<Vec3>, Vec<Vec3>) = Default::default();
         while positions.len() < SALVO.min(trial.shots - fired) {
@@ -115,11 +113,12 @@ fn fire(
             }
         }
         fired += positions.len();
-        let lifetime = (flight as f64 * TICK - 1e-4) as f32;
+        let lifetime = (flight as f64 * trial.tick - 1e-4) as f32;
         let mut commands = vec![Command::Spawn(NewParticles { positions, velocities, lifetime, at: None })];
         for _ in 0..flight {
             let commands = std::mem::take(&mut commands);
-            let report = solver.step(&StepInput { tick, duration: TICK as f32, commands, ..StepInput::default() })?;
+            let duration = trial.tick as f32;
+            let report = solver.step(&StepInput { tick, duration, commands, ..StepInput::default() })?;
             removed += report.removed;
             watch.look(solver, (Vec3::ZERO, Quat::IDENTITY))?;
             tick += 1;
@@ -135,21 +134,24 @@ impl Trial {
     }
 }
 
-/// A body that nothing stops, on its way between two poses.
-fn moving((from, before): (Vec3, Quat), (to, after): (Vec3, Quat)) -> BodyInput {
+/// A body that nothing stops, on its way between two poses in so many seconds.
+fn moving((from, before): (Vec3, Quat), (to, after): (Vec3, Quat), duration: f32) -> BodyInput {
     let turn = (after * before.conjugate()).normalize();
     let turn = if turn.w < 0.0 { -turn } else { turn };
     BodyInput {
         position: from,
         rotation: before,
-        linear_velocity: (to - from) / TICK as f32,
-        angular_velocity: turn.to_scaled_axis() / TICK as f32,
+        linear_velocity: (to - from) / duration,
+        angular_velocity: turn.to_scaled_axis() / duration,
         free: false,
         ..BodyInput::default()
     }
 }
 
 /// Follows particles by their ids.
+///
+/// Not by core's [`LeakWatch`](freshet_core::leaks::LeakWatch), which apps count with: this is told by formulas of its own (the gates) where walls are, of
+/// bodies that have samples and no shape too, and says how deep a particle got.
 struct Watch<'a> {
     trial: &'a Trial,
     /// Deeper in a wall than its samples lie, a particle is through, m.
