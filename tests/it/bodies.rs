@@ -65,9 +65,9 @@ fn a_ball_comes_late_and_leaves_early() {
 fn a_body_that_cannot_be_sampled_is_refused() {
     let mut test = TestApp::new();
     let tank = Tank::spawn(&mut test, ALL[0]);
-    let capsule = test.spawn((
-        RigidBody::Dynamic,
-        Collider::capsule_y(0.1, 0.1),
+    let ground = test.spawn((
+        RigidBody::Fixed,
+        Collider::halfspace(Vec3::Y).expect("a unit vector"),
         FluidBody::default(),
         FluidInDomain(tank.domain),
         Transform::from_xyz(0.7, 0.8, 0.25),
@@ -75,7 +75,7 @@ fn a_body_that_cannot_be_sampled_is_refused() {
     test.tick(3);
     let complaints = test.complaints();
     assert_eq!(complaints.len(), 1, "{complaints:?}");
-    assert_eq!((complaints[0].entity, complaints[0].component), (capsule, "FluidBody"));
+    assert_eq!((complaints[0].entity, complaints[0].component), (ground, "FluidBody"));
     assert_eq!(test.stats(tank.domain).ticks, 3);
 }
 

@@ -6,6 +6,11 @@ use bevy_rapier3d::prelude::{ReadMassProperties, Velocity};
 /// Lets the fluid push this rapier body, and the body the fluid.
 ///
 /// It stands beside a `RigidBody` and a `Collider`, whose surface is sampled. Mass and inertia are rapier's.
+///
+/// All of rapier's shapes will do but half-spaces, segments, triangles, polylines and voxels: with one of these, and with one too
+/// small for the spacing, a [`FluidProblem`](super::problem::FluidProblem) says so, and body and fluid pass through each other. Parts of
+/// a compound may overlap; a cup made of cuboids is hollow. A triangle mesh without holes is solid, any other has fluid on both
+/// sides. A height field is ground, with the fluid above it.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[require(Transform, Velocity, ReadMassProperties)]
