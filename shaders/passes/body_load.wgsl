@@ -1,7 +1,7 @@
 // Force and torque of the fluid on each body. Sample k feels (1/G) m rho0 V_k sum_a P_a F x_ak: the opposite of what the
 // particles felt from it.
 //
-// body_load, body_sum: by the pressures; of an incompressible fluid by those of the last substep.
+// body_load, body_sum: by the pressures, and how many samples the fluid reaches; of an incompressible fluid by those of the last substep.
 // body_push, body_answer: in an iteration of its divergence solve by the change of pressures, and how bodies answer.
 
 #import freshet::bindings as fields
@@ -29,13 +29,14 @@ fn load_sample(k: u32) {
     let arm = rotation::rotate(fields::body_rotation(body), fields::sample_offset(k));
     let position = fields::body_position(body) + arm;
     if (!threads::all_finite(position)) {
-        fields::set_sample_load(k, vec3<f32>(0.0), vec3<f32>(0.0));
+        fields::set_sample_load(k, vec3<f32>(0.0), vec3<f32>(0.0), 0.0);
         return;
     }
     let place = grid::place_of(position);
     let extent = grid::shape();
     let inverse_radius = fields::parameters.inverse_support_radius;
     var sum = vec3<f32>(0.0);
+    var wet = 0.0;
     for (var row = 0u; row < 9u; row++) {
         let reached = grid::reached(place, row);
         let around = grid::row_of(0u, grid::cells_of(extent, place.cell, row, reached.x, reached.y));
@@ -43,11 +44,12 @@ fn load_sample(k: u32) {
             let a = grid::member(around, t);
             let x = grid::difference(fields::sorted_position(a), position);
             let q = length(x) * inverse_radius;
+            wet = select(wet, 1.0, q < 1.0);
             sum += (pressure_of(a) * kernels::slope_over_q(q)) * x;
         }
     }
     let force = (fields::parameters.body_force_scale * fields::sample_volume(k)) * sum;
-    fields::set_sample_load(k, force, cross(arm, force));
+    fields::set_sample_load(k, force, cross(arm, force), wet);
 }
 #endif
 #endif
@@ -79,6 +81,9 @@ const LEAVES: u32 = 256u;
 
 var<workgroup> force: array<vec3<f32>, LEAVES>;
 var<workgroup> torque: array<vec3<f32>, LEAVES>;
+#ifdef BODY_SUM
+var<workgroup> wet: array<f32, LEAVES>;
+#endif
 
 // Sums over the samples of a body, into the first leaf; one workgroup a body.
 fn sum_samples(body: u32, local: u32) {
@@ -91,18 +96,30 @@ fn sum_samples(body: u32, local: u32) {
     for (var leaf = local; leaf < LEAVES; leaf += #{WORKGROUP_SIZE}u) {
         var leaf_force = vec3<f32>(0.0);
         var leaf_torque = vec3<f32>(0.0);
+#ifdef BODY_SUM
+        var leaf_wet = 0.0;
+#endif
         for (var k = first + leaf; k < end; k += LEAVES) {
             leaf_force += fields::sample_force(k);
             leaf_torque += fields::sample_torque(k);
+#ifdef BODY_SUM
+            leaf_wet += fields::sample_wet(k);
+#endif
         }
         force[leaf] = leaf_force;
         torque[leaf] = leaf_torque;
+#ifdef BODY_SUM
+        wet[leaf] = leaf_wet;
+#endif
     }
     workgroupBarrier();
     for (var half = LEAVES / 2u; half > 0u; half /= 2u) {
         for (var leaf = local; leaf < half; leaf += #{WORKGROUP_SIZE}u) {
             force[leaf] += force[leaf + half];
             torque[leaf] += torque[leaf + half];
+#ifdef BODY_SUM
+            wet[leaf] += wet[leaf + half];
+#endif
         }
         workgroupBarrier();
     }
@@ -117,6 +134,7 @@ fn body_sum(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     sum_samples(body, local);
     if (local == 0u && body < fields::parameters.bodies) {
         fields::set_body_load(body, force[0], torque[0]);
+        fields::set_body_wetted(body, u32(wet[0]));
 #ifdef INCOMPRESSIBLE
         fields::begin_answer(body, fields::body_inverse_mass(body) > 0.0);
 #endif

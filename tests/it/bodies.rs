@@ -65,9 +65,9 @@ fn a_ball_comes_late_and_leaves_early() {
 fn a_body_that_cannot_be_sampled_is_refused() {
     let mut test = TestApp::new();
     let tank = Tank::spawn(&mut test, ALL[0]);
-    let capsule = test.spawn((
-        RigidBody::Dynamic,
-        Collider::capsule_y(0.1, 0.1),
+    let ground = test.spawn((
+        RigidBody::Fixed,
+        Collider::halfspace(Vec3::Y).expect("a unit vector"),
         FluidBody::default(),
         FluidInDomain(tank.domain),
         Transform::from_xyz(0.7, 0.8, 0.25),
@@ -75,8 +75,190 @@ fn a_body_that_cannot_be_sampled_is_refused() {
     test.tick(3);
     let complaints = test.complaints();
     assert_eq!(complaints.len(), 1, "{complaints:?}");
-    assert_eq!((complaints[0].entity, complaints[0].component), (capsule, "FluidBody"));
+    assert_eq!((complaints[0].entity, complaints[0].component), (ground, "FluidBody"));
     assert_eq!(test.stats(tank.domain).ticks, 3);
+}
+
+#[test]
+fn every_shape_floats() {
+    let octahedron = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(|corner| 0.24 * corner);
+    let bar = || Collider::cuboid(0.18, 0.09, 0.09);
+    let shapes = [
+        Collider::capsule_y(0.06, RADIUS),
+        Collider::cylinder(0.13, 0.16),
+        Collider::cone(0.2, 0.22),
+        Collider::convex_hull(&octahedron).expect("a volume"),
+        Collider::compound(vec![
+            (Vec3::ZERO, Quat::IDENTITY, bar()),
+            (Vec3::ZERO, Quat::from_rotation_y(std::f32::consts::FRAC_PI_2), bar()),
+        ]),
+        Collider::round_cuboid(0.1, 0.1, 0.1, 0.04),
+    ];
+    let (cell, deep) = (0.6, 0.5);
+    let length = cell * shapes.len() as f32;
+    let mut test = TestApp::new();
+    let domain = test.spawn(FluidDomain::with_spacing(0.1).on(FluidBackend::Cpu).in_mode(FluidMode::Lockstep));
+    test.spawn((FluidContainer::open_box(length, 1.4, 0.6), Transform::from_xyz(0.5 * length, 0.7, 0.3)));
+    test.spawn((FluidVolume::from(Cuboid::new(length, deep, 0.6)), Transform::from_xyz(0.5 * length, 0.5 * deep, 0.3)));
+    let spawn = |test: &mut TestApp, (index, shape): (usize, Collider)| {
+        let place = Transform::from_xyz((index as f32 + 0.5) * cell, deep + 0.3, 0.3);
+        test.spawn((RigidBody::Dynamic, shape, ColliderMassProperties::Density(500.0), FluidBody::default(), place))
+    };
+    let bodies: Vec<Entity> = shapes.into_iter().enumerate().map(|body| spawn(&mut test, body)).collect();
+    test.tick(80);
+    let stats = test.settle(domain);
+    let expected = (10.0 * length * 6.0 * deep * 10.0).round() as u32;
+    assert_eq!(
+        (stats.removed, stats.particles + stats.inside_solids as u32 + stats.beside_solids as u32),
+        (0, expected)
+    );
+    test.expect_no_complaints();
+    // The water stands up to where the bodies push it, 0.6 m at most.
+    for (index, &body) in bodies.iter().enumerate() {
+        let height = test.world().get::<Transform>(body).expect("a body has a pose").translation.y;
+        println!("body {index} floats at {height}");
+        assert!(height > 0.35 && height < 0.75, "body {index} floats, not at {height}");
+    }
+}
+
+/// Everything about a body changes while it is in the fluid.
+#[test]
+fn a_body_may_change_at_any_time() {
+    for choice in ALL {
+        let mut test = TestApp::new();
+        let tank = Tank::spawn(&mut test, choice);
+        let body = test.spawn((
+            RigidBody::Dynamic,
+            Collider::capsule_x(0.05, 0.1),
+            ColliderMassProperties::Density(500.0),
+            FluidBody::default(),
+            FluidInDomain(tank.domain),
+            Transform::from_xyz(0.7, 0.4, 0.25),
+        ));
+        test.tick(3);
+        // Returns how many samples the body has then.
+        let change = |test: &mut TestApp, change: &dyn Fn(&mut EntityWorldMut)| {
+            change(&mut test.world().entity_mut(body));
+            test.tick(3);
+            test.expect_no_complaints();
+            contact(test, body).samples
+        };
+        let cone = change(&mut test, &|body| {
+            body.insert(Collider::cone(0.12, 0.15));
+        });
+        let wide = change(&mut test, &|body| {
+            body.get_mut::<Transform>().expect("a pose").scale = Vec3::new(1.5, 1.0, 1.5);
+        });
+        assert!(cone > 3 && wide > cone, "{choice:?}: {cone}, and when it is scaled {wide} samples");
+        let heavy = change(&mut test, &|body| {
+            body.insert(ColliderMassProperties::Density(2000.0));
+        });
+        assert_eq!(heavy, wide, "{choice:?}");
+        for kind in [RigidBody::Fixed, RigidBody::KinematicPositionBased, RigidBody::Dynamic] {
+            change(&mut test, &|body| {
+                body.insert(kind);
+            });
+        }
+        let bar = Collider::cuboid(0.1, 0.06, 0.06);
+        let parts = [0.1, -0.1].map(|x| (Vec3::X * x, Quat::IDENTITY, bar.clone())).to_vec();
+        // Above the water: a shape that grows into fluid throws it off.
+        let pair = change(&mut test, &|body| {
+            body.insert((Collider::compound(parts.clone()), Transform::from_xyz(0.7, 0.75, 0.25)));
+        });
+        assert_ne!(pair, wide, "{choice:?}");
+        test.despawn(body);
+        test.tick(3);
+        assert_eq!(test.settle(tank.domain).ticks, 28, "{choice:?}");
+        assert_eq!(test.stats(tank.domain).removed, 0, "{choice:?}");
+        test.expect_no_complaints();
+    }
+}
+
+/// How often bodies have entered and left the fluid.
+#[derive(Resource, Default)]
+struct Passages {
+    entered: u32,
+    left: u32,
+}
+
+/// A test that counts them, with a tank of water 0.4 m deep and a ball of 500 kg/m3 above it.
+fn dropped_ball(choice: (FluidBackend, FluidMode)) -> (TestApp, Entity, Entity) {
+    let mut test = TestApp::new();
+    test.world().init_resource::<Passages>();
+    test.world().add_observer(|_: On<FluidEntered>, mut passages: ResMut<Passages>| passages.entered += 1);
+    test.world().add_observer(|_: On<FluidLeft>, mut passages: ResMut<Passages>| passages.left += 1);
+    let domain = test.spawn(FluidDomain::with_spacing(0.1).on(choice.0).in_mode(choice.1));
+    test.spawn((FluidContainer::open_box(0.8, 1.6, 0.8), Transform::from_xyz(0.4, 0.8, 0.4)));
+    test.spawn((FluidVolume::from(Cuboid::new(0.8, 0.4, 0.8)), Transform::from_xyz(0.4, 0.2, 0.4)));
+    let ball = test.spawn((
+        RigidBody::Dynamic,
+        Collider::ball(RADIUS),
+        ColliderMassProperties::Density(500.0),
+        FluidBody::default(),
+        Transform::from_xyz(0.4, 0.4 + 2.5 * RADIUS, 0.4),
+    ));
+    (test, domain, ball)
+}
+
+fn passages(test: &mut TestApp) -> (u32, u32) {
+    let passages = test.world().resource::<Passages>();
+    (passages.entered, passages.left)
+}
+
+fn contact(test: &mut TestApp, body: Entity) -> FluidContact {
+    *test.world().get::<FluidContact>(body).expect("comes with a FluidBody")
+}
+
+#[test]
+fn a_ball_enters_the_fluid_once_and_leaves_it_once() {
+    for choice in ALL {
+        let (mut test, domain, ball) = dropped_ball(choice);
+        test.tick(2);
+        assert_eq!(passages(&mut test), (0, 0), "{choice:?}: it is above the water");
+        assert!(!contact(&mut test, ball).in_fluid, "{choice:?}");
+        test.tick(60);
+        assert_eq!(passages(&mut test), (1, 0), "{choice:?}: it fell in, and dances");
+        let afloat = contact(&mut test, ball);
+        assert!(afloat.in_fluid && afloat.force.y > 0.0, "{choice:?}: {afloat:?}");
+        assert!(
+            afloat.submerged > 0.3 && afloat.wetted <= afloat.samples && afloat.samples > 20,
+            "{choice:?}: {afloat:?}"
+        );
+        // Out of the water, and held there.
+        test.world().entity_mut(ball).insert((RigidBody::Fixed, Transform::from_xyz(0.4, 1.3, 0.4)));
+        test.tick(30);
+        test.settle(domain);
+        assert_eq!(passages(&mut test), (1, 1), "{choice:?}: it was taken out");
+        let dry = FluidContact { samples: afloat.samples, ..FluidContact::default() };
+        assert_eq!(contact(&mut test, ball), dry, "{choice:?}");
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn a_ball_without_a_fluid_leaves_it() {
+    let (mut test, domain, ball) = dropped_ball(ALL[0]);
+    test.tick(40);
+    assert_eq!(passages(&mut test), (1, 0));
+    test.despawn(domain);
+    test.tick(3);
+    assert_eq!((passages(&mut test), contact(&mut test, ball)), ((1, 1), FluidContact::default()));
+}
+
+#[test]
+fn the_force_on_a_ball_that_floats_is_its_weight() {
+    let (mut test, _, ball) = dropped_ball((FluidBackend::Cpu, FluidMode::Pipelined));
+    test.tick(150);
+    let mut force = Vec3::ZERO;
+    const TICKS: u32 = 90;
+    for _ in 0..TICKS {
+        test.tick(1);
+        force += contact(&mut test, ball).force / TICKS as f32;
+    }
+    let mass = test.world().get::<ReadMassProperties>(ball).expect("comes with a FluidBody").mass;
+    let share = force / (9.81 * mass);
+    println!("{share} of its weight");
+    assert!((share.y - 1.0).abs() < 0.05 && share.x.abs().max(share.z.abs()) < 0.05, "{share} of its weight");
 }
 
 #[test]

@@ -22,6 +22,7 @@ pub mod prelude {
     pub use crate::components::body::FluidBody;
     pub use crate::components::boundary::{FluidBoundary, FluidBoundaryShape, FluidBoundarySide};
     pub use crate::components::boundary_mesh::FluidMesh;
+    pub use crate::components::contact::{FluidContact, FluidEntered, FluidLeft};
     pub use crate::components::container::FluidContainer;
     pub use crate::components::domain::{FluidBackend, FluidDomain, FluidMode};
     pub use crate::components::emitter::FluidEmitter;

@@ -72,6 +72,13 @@ pub enum SolidShape {
         /// How deep it goes below its lowest place, m.
         thickness: f32,
     },
+    /// A convex shape, thickened all round.
+    Rounded {
+        /// The shape.
+        core: Box<SolidShape>,
+        /// By how much, m.
+        rounding: f32,
+    },
     /// The wall around a room.
     Around {
         /// The room.
@@ -125,6 +132,10 @@ impl SolidShape {
                 signed(point, mesh.nearest(point, f64::INFINITY).unwrap_or(point), is_inside)
             }
             Self::Ground { field, thickness } => ground_distance(field, *thickness, local),
+            Self::Rounded { core, rounding } => {
+                let (distance, normal) = core.distance(local);
+                (distance - rounding, normal)
+            }
             Self::Around { room, thickness } => {
                 let (distance, normal) = room.distance(local);
                 // Nearer to the room or to what is behind the wall.
@@ -160,7 +171,9 @@ impl SolidShape {
                 let (low, high) = field.surface().bounds();
                 (low - Vec3::Y * *thickness, high)
             }
-            Self::Around { room: shape, thickness: reach } | Self::Skin { shape, reach } => {
+            Self::Around { room: shape, thickness: reach }
+            | Self::Skin { shape, reach }
+            | Self::Rounded { core: shape, rounding: reach } => {
                 let (low, high) = shape.bounds();
                 (low - *reach, high + *reach)
             }
@@ -184,6 +197,9 @@ impl SolidShape {
             Self::Mesh { mesh } => mesh.validate().map_err(|error| error.inside("mesh")),
             Self::Ground { field, thickness } => {
                 size("thickness", *thickness).and_then(|()| field.validate().map_err(|error| error.inside("field")))
+            }
+            Self::Rounded { core, rounding } => {
+                size("rounding", *rounding).and_then(|()| core.validate().map_err(renamed("core")))
             }
             Self::Around { room, thickness } => {
                 size("thickness", *thickness).and_then(|()| room.validate().map_err(renamed("room")))
@@ -489,6 +505,21 @@ mod tests {
         for outside in [Vec3::Y * 1.1, Vec3::new(1.1, 1.01, 0.0), Vec3::X * (1.0 + 2.0 * layer().depth + H)] {
             assert!(!any(&solids, outside), "{outside} is beyond the wall, or above the rim");
         }
+    }
+
+    #[test]
+    fn a_rounded_box_is_round_at_its_corners() {
+        let core = Box::new(SolidShape::Box { half_extents: Vec3::ONE });
+        let rounded =
+            Solid { shape: SolidShape::Rounded { core, rounding: 0.5 }, center: Vec3::X, rotation: Quat::IDENTITY };
+        assert!(
+            rounded.contains(Vec3::new(1.0, 1.5 - H, 0.0), 0.0) && !rounded.contains(Vec3::new(1.0, 1.5 + H, 0.0), 0.0)
+        );
+        let corner = Vec3::X + 1.0 + 0.5 / 3.0f32.sqrt();
+        assert!(rounded.contains(corner - H, 0.0) && !rounded.contains(corner + H, 0.0));
+        assert_eq!(rounded.reach(), (Vec3::ZERO, Vec3::splat(1.5)));
+        let thin = SolidShape::Rounded { core: Box::new(SolidShape::Sphere { radius: 0.0 }), rounding: 0.5 };
+        assert!(thin.validate().unwrap_err().to_string().starts_with("shape.core.radius: 0 is not allowed"));
     }
 
     #[test]

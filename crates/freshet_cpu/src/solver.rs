@@ -115,6 +115,8 @@ pub struct CpuSolver {
     walls: SortedSamples,
     body_samples: BodySamples,
     bodies: Vec<MovingBody>,
+    /// Of each body the samples that the fluid reaches.
+    wetted: Vec<u32>,
     /// Slots of the bodies' samples that are one task of the load's pass.
     slots: Vec<Range<usize>>,
     /// On each of these samples, N: in the order of slots, and in the bodies' own.
@@ -225,6 +227,7 @@ impl CpuSolver {
             body_samples: BodySamples::default(),
             workers,
             bodies: Vec::new(),
+            wetted: Vec::new(),
             slots: Vec::new(),
             sorted_forces: Vec::new(),
             forces: Vec::new(),
@@ -450,6 +453,7 @@ impl CpuSolver {
         // Those misplaced fell out with the others, at the first sort.
         report.retired = tally.dropped.retired.saturating_sub(report.inside_solids + report.beside_solids);
         report.bodies = self.bodies.iter().map(|body| body.impulse).collect();
+        report.wetted.clone_from(&self.wetted);
         report.passes = tally
             .times
             .iter()
@@ -487,6 +491,11 @@ impl CpuSolver {
                 PressureSolver::WeaklyCompressible => self.body_load_stage(),
                 PressureSolver::DivergenceFree(_) => self.body_touch_stage(),
             });
+            if tally.substeps == 0 {
+                let (grid, starts) = (&self.plan.grid, &self.sorter.starts);
+                let count = || self.body_samples.count_wetted(grid, starts, &self.particles, &mut self.wetted);
+                tally.timed("body_load", count);
+            }
         }
         Found { compression, maxima }
     }

@@ -406,3 +406,37 @@ fn at_the_support_radius_there_is_no_neighbour_and_nearer_there_is() {
     assert_eq!(density[last - 3..last - 1], [alone, alone], "exactly at the radius");
     assert!(density[last - 4] > alone && density[last - 5] > alone, "within: {} and {alone}", density[last - 4]);
 }
+
+#[test]
+fn samples_that_the_fluid_reaches_are_counted() {
+    for pressure_solver in
+        [PressureSolver::WeaklyCompressible, PressureSolver::DivergenceFree(DivergenceFree::default())]
+    {
+        // One dips into the fluid, one is above it, and one beyond its side, which repeats itself.
+        let mut scene = channel(KernelKind::WendlandC2, 0.0);
+        scene.boundaries.clear();
+        scene.settings.viscosity_model = None;
+        scene.material.dynamic_viscosity = 0.0;
+        scene.settings.pressure_solver = pressure_solver;
+        let layer = scene.wall_layer().unwrap();
+        let body =
+            Body::of_shape("ball", BoundaryShape::Sphere { radius: 0.2, fluid: FluidSide::Outside }, &layer).unwrap();
+        let body = Body { solids: Vec::new(), ..body };
+        scene.bodies = vec![body; 3];
+        let places = [Vec3::new(0.4, 0.65, 0.0), Vec3::new(0.4, 1.4, 0.0), Vec3::new(0.05, 0.7, 0.4)];
+        let mut solver = CpuSolver::new(Plan::new(&scene).unwrap(), CpuOptions::default()).unwrap();
+        let plan = solver.plan().clone();
+        let reach = plan.parameters.support_radius;
+        let count = |place: Vec3| {
+            let is_near = |sample: Vec3, x: Vec3| scene.periodic.nearest(x - place - sample).length() < reach;
+            let is_wet = |sample: &&Vec3| plan.positions.iter().any(|&x| is_near(**sample, x));
+            plan.bodies[0].samples.iter().filter(is_wet).count() as u32
+        };
+        let expected = places.map(count);
+        assert!(expected[0] > 10 && expected[0] < plan.bodies[0].samples.len() as u32, "{expected:?}");
+        assert!(expected[1] == 0 && expected[2] > 10, "{expected:?}");
+        let bodies = places.map(|position| BodyInput { position, ..BodyInput::default() }).to_vec();
+        let report = solver.step(&StepInput { duration: 1e-9, bodies, ..StepInput::default() }).unwrap();
+        assert_eq!(report.wetted, expected, "{pressure_solver:?}");
+    }
+}

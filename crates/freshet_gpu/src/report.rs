@@ -70,6 +70,7 @@ impl Arrival {
                 .iter()
                 .map(|body| Impulse { linear: body.impulse_linear, angular: body.impulse_angular })
                 .collect(),
+            wetted: self.bodies.iter().map(|body| body.wetted).collect(),
             passes: Vec::new(),
         }
     }

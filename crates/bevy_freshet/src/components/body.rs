@@ -3,11 +3,20 @@
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{ReadMassProperties, Velocity};
 
+use super::contact::FluidContact;
+
 /// Lets the fluid push this rapier body, and the body the fluid.
 ///
-/// It stands beside a `RigidBody` and a `Collider`, whose surface is sampled. Mass and inertia are rapier's.
+/// It stands beside a `RigidBody` and a `Collider`, whose surface is sampled. Mass and inertia are rapier's. What the fluid does to it
+/// is in [`FluidContact`]. Body type, mass, collider and scale may change at any time, and it may be despawned. What a shape finds
+/// inside when it grows into fluid, it throws off.
+///
+/// All of rapier's shapes will do but half-spaces, segments, triangles, polylines and voxels: with one of these, and with one too
+/// small for the spacing, a [`FluidProblem`](super::problem::FluidProblem) says so, and body and fluid pass through each other. Parts of
+/// a compound may overlap; a cup made of cuboids is hollow. A triangle mesh without holes is solid, any other has fluid on both
+/// sides. A height field is ground, with the fluid above it.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
-#[require(Transform, Velocity, ReadMassProperties)]
+#[require(Transform, Velocity, ReadMassProperties, FluidContact)]
 #[non_exhaustive]
 pub struct FluidBody;

@@ -3,6 +3,7 @@
 pub mod body;
 pub mod boundary;
 pub mod boundary_mesh;
+pub mod contact;
 pub mod container;
 pub mod domain;
 pub mod emitter;

@@ -10,6 +10,7 @@ use bevy_rapier3d::rapier::dynamics::IntegrationParameters;
 use freshet_core::step::BodyInput;
 use freshet_rapier::{BodyCoupling, CouplingError, RapierView};
 
+use super::contacts::{self, Contacts};
 use super::frames::{to_domain, to_world};
 use crate::components::problem::report;
 use crate::simulation::state::DomainState;
@@ -27,6 +28,7 @@ pub(crate) fn begin_tick(
     mut domains: Query<(&mut DomainState, &mut DomainCoupling)>,
     handles: Query<&RapierRigidBodyHandle>,
     configuration: Query<&RapierConfiguration, With<DefaultRapierContext>>,
+    mut contacts: Contacts,
     mut rapier: WriteRapierContext,
 ) {
     let (Ok(mut context), Ok(configuration)) = (rapier.single_mut(), configuration.single()) else {
@@ -35,10 +37,11 @@ pub(crate) fn begin_tick(
             state.pushes.clear();
             coupling.bodies.clear();
         }
+        contacts::release(&mut commands, &mut contacts, |_| false);
         return;
     };
     for (mut state, mut coupling) in &mut domains {
-        receive(&mut commands, &mut state, &mut coupling, &mut context);
+        receive(&mut commands, &mut state, &mut coupling, &mut context, &mut contacts);
         if !state.runs() {
             coupling.bodies.clear();
             continue;
@@ -76,17 +79,20 @@ pub(crate) fn begin_tick(
             state.body_inputs.push(input);
         }
     }
+    let is_coupled = |body| domains.iter().any(|(_, coupling)| coupling.bodies.contains_key(&body));
+    contacts::release(&mut commands, &mut contacts, is_coupled);
 }
 
 /// In lockstep, takes the tick's own impulses. Then rapier is told.
 pub(crate) fn apply_forecast(
     mut commands: Commands,
     mut domains: Query<(&mut DomainState, &mut DomainCoupling)>,
+    mut contacts: Contacts,
     mut rapier: WriteRapierContext,
 ) {
     let Ok(mut context) = rapier.single_mut() else { return };
     for (mut state, mut coupling) in &mut domains {
-        receive(&mut commands, &mut state, &mut coupling, &mut context);
+        receive(&mut commands, &mut state, &mut coupling, &mut context, &mut contacts);
         drive(&mut commands, &mut coupling, &mut context, BodyCoupling::apply_forecast);
     }
 }
@@ -108,16 +114,19 @@ fn receive(
     state: &mut DomainState,
     coupling: &mut DomainCoupling,
     context: &mut RapierContextMut,
+    contacts: &mut Contacts,
 ) {
     let frame = state.frame;
     for pushes in state.pushes.drain(..) {
-        for (entity, impulse) in pushes.bodies {
-            let Some(body) = coupling.bodies.get_mut(&entity) else { continue };
-            let impulse = to_world(impulse, frame);
+        for push in pushes.bodies {
+            let Some(body) = coupling.bodies.get_mut(&push.body) else { continue };
+            let impulse = to_world(push.impulse, frame);
             if let Err(error) = body.receive(pushes.tick, impulse, &mut context.rigidbody_set.bodies) {
-                fail(commands, entity, error);
-                coupling.bodies.remove(&entity);
+                fail(commands, push.body, error);
+                coupling.bodies.remove(&push.body);
+                continue;
             }
+            contacts::take(commands, contacts, push.body, impulse, push.wetted, pushes.simulated);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Rapier: its place in the schedule, walls as colliders, bodies that the fluid pushes and that push it.
 
+mod contacts;
 mod exchange;
 mod fitness;
 mod frames;

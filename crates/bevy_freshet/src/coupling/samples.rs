@@ -22,6 +22,8 @@ pub(crate) struct SampledFrom {
     spacing: f32,
     kernel: FluidKernel,
     support_ratio: f32,
+    /// In the body's own frame, m: samples are relative to it, and another mass of one of several colliders moves it.
+    center_of_mass: Vec3,
     /// For each collider where its shape is in memory (shapes are never changed in place while shared), whether it is
     /// solid, and its pose on the body.
     colliders: Vec<(usize, bool, Option<Pose>)>,
@@ -34,7 +36,8 @@ impl SampledFrom {
             (address, collider.is_enabled() && !collider.is_sensor(), collider.position_wrt_parent().copied())
         });
         let FluidSettings { kernel, support_ratio, .. } = domain.settings;
-        Self { spacing: domain.spacing, kernel, support_ratio, colliders: colliders.collect() }
+        let (center_of_mass, colliders) = (body.local_center_of_mass(), colliders.collect());
+        Self { spacing: domain.spacing, kernel, support_ratio, center_of_mass, colliders }
     }
 }
 
@@ -69,12 +72,12 @@ pub(crate) fn sample_bodies(
         let Some(domain) = domain else { continue };
         let colliders = &context.colliders.colliders;
         let Some(body) = context.rigidbody_set.bodies.get_mut(handle.0) else { continue };
-        let from = SampledFrom::new(body, colliders, domain);
-        if sampled_from == Some(&from) {
+        if sampled_from == Some(&SampledFrom::new(body, colliders, domain)) {
             continue;
         }
         // Rapier does this in its next step; the samples are relative to the centre of mass now.
         body.recompute_mass_properties_from_colliders(colliders);
+        let from = SampledFrom::new(body, colliders, domain);
         let name = name.map_or_else(|| format!("entity {entity}"), |name| name.to_string());
         let scene = FluidScene { settings: domain.settings.to_settings(), ..FluidScene::with_spacing(domain.spacing) };
         // What is wrong with the domain is said by the planning.

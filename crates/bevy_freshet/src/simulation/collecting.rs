@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::problems::Problem;
-use super::state::{DomainState, Pushes};
+use super::state::{DomainState, Push, Pushes};
 use crate::components::stats::{FluidPassTime, FluidStats};
 use crate::engine::{MOST_IN_FLIGHT, Outcome};
 use freshet_core::step::StepReport;
@@ -75,8 +75,10 @@ fn take_report(
     state.commands.extend(removals);
     while let Some(sent) = state.sent.pop_front() {
         if sent.tick == report.tick {
-            let bodies = sent.bodies.into_iter().zip(report.bodies.iter().copied()).collect();
-            state.pushes.push(Pushes { tick: report.tick, bodies });
+            let given = report.bodies.iter().zip(&report.wetted);
+            let push = |(body, (&impulse, &wetted))| Push { body, impulse, wetted };
+            let bodies = sent.bodies.into_iter().zip(given).map(push).collect();
+            state.pushes.push(Pushes { tick: report.tick, simulated: report.simulated as f32, bodies });
             break;
         }
     }

@@ -45,10 +45,21 @@ pub(crate) struct SentTick {
     pub(crate) bodies: Vec<Entity>,
 }
 
-/// Impulses of the fluid on bodies in one tick, in the domain's axes.
+/// What the fluid did to bodies in one tick.
 pub(crate) struct Pushes {
     pub(crate) tick: u64,
-    pub(crate) bodies: Vec<(Entity, Impulse)>,
+    /// Time covered, s.
+    pub(crate) simulated: f32,
+    pub(crate) bodies: Vec<Push>,
+}
+
+/// What the fluid did to a body.
+pub(crate) struct Push {
+    pub(crate) body: Entity,
+    /// In the domain's axes.
+    pub(crate) impulse: Impulse,
+    /// Samples that the fluid reaches.
+    pub(crate) wetted: u32,
 }
 
 /// What the plugin remembers of a domain.

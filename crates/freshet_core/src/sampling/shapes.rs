@@ -63,14 +63,32 @@ impl WallLayer {
     /// If the largest ball in it has a radius less than half a spacing; more samples than
     /// [`MAX_CURVED_SAMPLES`](super::MAX_CURVED_SAMPLES).
     pub fn cone(&self, radius: f32, half_height: f32, fluid: FluidSide) -> Result<Vec<Vec3>, InvalidInput> {
-        let (r, height) = (f64::from(radius), 2.0 * f64::from(half_height));
-        let largest_ball = r * height / (r + r.hypot(height));
-        if largest_ball < 0.5 * f64::from(self.spacing()) {
-            let (field, value) = if radius < half_height { ("radius", radius) } else { ("half_height", half_height) };
-            let allowed = format!("more: a ball of radius {} m has to fit in at this spacing", 0.5 * self.spacing());
-            return Err(InvalidInput::new(field, value, allowed));
-        }
-        self.round(&Profile::cone(r, f64::from(half_height)), largest_ball, fluid)
+        let largest_ball = self.ball_in_cone(radius, half_height, 0.0)?;
+        self.round(&Profile::cone(f64::from(radius), f64::from(half_height)), largest_ball, fluid)
+    }
+
+    /// Samples of a solid cylinder with round edges, m: a [`cylinder`](Self::cylinder) thickened all round by `rounding`.
+    ///
+    /// # Errors
+    /// Radius or half height with the rounding less than half a spacing; more samples than
+    /// [`MAX_CURVED_SAMPLES`](super::MAX_CURVED_SAMPLES).
+    pub fn round_cylinder(&self, radius: f32, half_height: f32, rounding: f32) -> Result<Vec<Vec3>, InvalidInput> {
+        self.require("radius", radius + rounding)?;
+        self.require("half_height", half_height + rounding)?;
+        let profile = Profile::cylinder(f64::from(radius), f64::from(half_height));
+        let largest_ball = f64::from(radius.min(half_height) + rounding);
+        self.rounded(&profile, f64::from(self.depth).min(0.5 * largest_ball), rounding)
+    }
+
+    /// Samples of a solid cone with round edges and a round tip, m: a [`cone`](Self::cone) thickened all round by `rounding`.
+    ///
+    /// # Errors
+    /// If the largest ball in it has a radius less than half a spacing; more samples than
+    /// [`MAX_CURVED_SAMPLES`](super::MAX_CURVED_SAMPLES).
+    pub fn round_cone(&self, radius: f32, half_height: f32, rounding: f32) -> Result<Vec<Vec3>, InvalidInput> {
+        let largest_ball = self.ball_in_cone(radius, half_height, rounding)?;
+        let profile = Profile::cone(f64::from(radius), f64::from(half_height));
+        self.rounded(&profile, f64::from(self.depth).min(0.5 * largest_ball), rounding)
     }
 
     /// Samples of a vessel about the y axis without a lid: radius and half height of the room in it, and the thickness of its wall
@@ -102,6 +120,19 @@ impl WallLayer {
         }
     }
 
+    /// Samples of a solid with round edges, m: what a closed convex mesh encloses, thickened all round by `rounding`. Where it is
+    /// thinner than twice the depth they are one layer in its middle.
+    ///
+    /// # Errors
+    /// More samples than [`MAX_CURVED_SAMPLES`](super::MAX_CURVED_SAMPLES).
+    pub fn round_mesh(&self, mesh: &TriangleMesh, rounding: f32) -> Result<Vec<Vec3>, InvalidInput> {
+        let d = f64::from(self.spacing());
+        match self.below_core(f64::from(self.depth), rounding) {
+            Some(below) => sample_level_set(Surface::Mesh(mesh), below.abs(), below > 0.0, d),
+            None => sample_surface(mesh, d),
+        }
+    }
+
     /// Samples of ground with the fluid above it.
     ///
     /// # Errors
@@ -117,6 +148,34 @@ impl WallLayer {
             FluidSide::Inside => sample_level_set(Surface::Round(profile), depth, false, d),
             FluidSide::Both => sample_level_set(Surface::Sheet(profile), 0.0, true, d),
         }
+    }
+
+    /// The layer of a core that is thickened by `rounding`: its points are as far from the core as they are less deep than that.
+    fn rounded(&self, core: &Profile, depth: f64, rounding: f32) -> Result<Vec<Vec3>, InvalidInput> {
+        let d = f64::from(self.spacing());
+        match self.below_core(depth, rounding) {
+            Some(below) => sample_level_set(Surface::Round(core), below.abs(), below > 0.0, d),
+            None => sample_level_set(Surface::Sheet(core), 0.0, true, d),
+        }
+    }
+
+    /// How much deeper than the surface of its core the layer of a rounded solid lies, m; none where it is the same but for a
+    /// twentieth of a spacing.
+    fn below_core(&self, depth: f64, rounding: f32) -> Option<f64> {
+        let below = depth - f64::from(rounding);
+        (below.abs() > 0.05 * f64::from(self.spacing())).then_some(below)
+    }
+
+    /// Radius of the largest ball in a cone that is thickened by `rounding`, m; refuses one that is smaller than a particle.
+    fn ball_in_cone(&self, radius: f32, half_height: f32, rounding: f32) -> Result<f64, InvalidInput> {
+        let (r, height) = (f64::from(radius), 2.0 * f64::from(half_height));
+        let largest_ball = r * height / (r + r.hypot(height)) + f64::from(rounding);
+        if largest_ball < 0.5 * f64::from(self.spacing()) {
+            let (field, value) = if radius < half_height { ("radius", radius) } else { ("half_height", half_height) };
+            let allowed = format!("more: a ball of radius {} m has to fit in at this spacing", 0.5 * self.spacing());
+            return Err(InvalidInput::new(field, value, allowed));
+        }
+        Ok(largest_ball)
     }
 
     /// Refuses what is smaller than a particle.

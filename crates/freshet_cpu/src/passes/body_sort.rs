@@ -6,6 +6,8 @@ use glam::Vec3;
 
 use super::body_motion::MovingBody;
 use crate::lanes::PADDING;
+use crate::neighbours::Rows;
+use crate::particles::Particles;
 use crate::samples::SortedSamples;
 
 /// Samples of all bodies.
@@ -15,7 +17,7 @@ pub struct BodySamples {
     pub sorted: SortedSamples,
     positions: Vec<Vec3>,
     volumes: Vec<f32>,
-    /// Of each body the first sample, of plans that ask for it.
+    /// Of each body the first sample.
     firsts: Vec<usize>,
     /// In the order of slots, padded: from the centre of mass along x, y and z, m, and the index of the body, likewise.
     arms: [Vec<f32>; 3],
@@ -27,7 +29,9 @@ impl BodySamples {
     pub fn update(&mut self, grid: &Grid, plan: &[PlannedBody], bodies: &[MovingBody]) {
         self.positions.clear();
         self.volumes.clear();
+        self.firsts.clear();
         for (planned, body) in plan.iter().zip(bodies) {
+            self.firsts.push(self.positions.len());
             self.positions.extend(planned.samples.iter().map(|&sample| body.position + body.rotation * sample));
             self.volumes.extend(&planned.volumes);
         }
@@ -35,26 +39,46 @@ impl BodySamples {
     }
 
     /// Finds out whose each sorted sample is, and where about its centre of mass.
-    pub fn find_arms(&mut self, plan: &[PlannedBody], bodies: &[MovingBody]) {
+    pub fn find_arms(&mut self, bodies: &[MovingBody]) {
         let padded = self.sorted.len() + PADDING;
         for values in self.arms.iter_mut().chain([&mut self.owners]) {
             values.clear();
             values.resize(padded, 0.0);
         }
-        self.firsts.clear();
-        self.firsts.extend(plan.iter().scan(0, |next, body| {
-            let first = *next;
-            *next += body.samples.len();
-            Some(first)
-        }));
         for (slot, &source) in self.sorted.source.iter().enumerate() {
-            let source = source as usize;
-            let index = self.firsts.partition_point(|&first| first <= source) - 1;
-            let arm = self.positions[source] - bodies[index].position;
+            let index = self.owner_of(source);
+            let arm = self.positions[source as usize] - bodies[index].position;
             for (values, along) in self.arms.iter_mut().zip(arm.to_array()) {
                 values[slot] = along;
             }
             self.owners[slot] = index as f32;
+        }
+    }
+
+    /// Index of the body that a source belongs to.
+    fn owner_of(&self, source: u32) -> usize {
+        self.firsts.partition_point(|&first| first <= source as usize) - 1
+    }
+
+    /// Counts of each body the samples with a particle's centre within the support radius.
+    pub fn count_wetted(&self, grid: &Grid, starts: &[u32], particles: &Particles, counts: &mut Vec<u32>) {
+        counts.clear();
+        counts.resize(self.firsts.len(), 0);
+        let reach = grid.support_radius * grid.support_radius;
+        let (mut rows, mut rows_of) = (Rows::default(), None);
+        for (slot, &source) in self.sorted.source.iter().enumerate() {
+            let at = self.sorted.position_of(slot);
+            let cell = grid.index(grid.coordinates(at)) as usize;
+            if rows_of != Some(cell) {
+                (rows, rows_of) = (Rows::around(grid, starts, cell), Some(cell));
+            }
+            let is_near = |a: u32| {
+                let way = grid.periodic.nearest(particles.position_of(a as usize) - at);
+                way.length_squared() < reach
+            };
+            if rows.all().iter().any(|&(start, end)| (start..end).any(is_near)) {
+                counts[self.owner_of(source)] += 1;
+            }
         }
     }
 

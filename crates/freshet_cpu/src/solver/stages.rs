@@ -258,7 +258,7 @@ impl CpuSolver {
     /// The same of an incompressible fluid, by the pressures of the last substep: from who touches whom, which its solve needs too.
     pub(super) fn body_touch_stage(&mut self) {
         let parameters = &self.plan.parameters;
-        self.body_samples.find_arms(&self.plan.bodies, &self.bodies);
+        self.body_samples.find_arms(&self.bodies);
         let answers = &mut self.solve.bodies;
         let lists = answers.found.len().max(self.sorter.chunks.len());
         answers.found.resize_with(lists, Vec::new);

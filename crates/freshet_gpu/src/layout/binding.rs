@@ -352,6 +352,7 @@ fn body_of_sample(k: u32) -> u32 { return body_samples[k].body; }
             Binding::SampleLoads => {
                 "fn sample_force(k: u32) -> vec3<f32> { return sample_loads[k].force; }
 fn sample_torque(k: u32) -> vec3<f32> { return sample_loads[k].torque; }
+fn sample_wet(k: u32) -> f32 { return sample_loads[k].wet; }
 "
             }
             Binding::Spawned => {
@@ -470,6 +471,7 @@ fn set_body_pose(i: u32, x: vec3<f32>, q: vec4<f32>) { bodies[i].position = x; b
 fn set_body_velocity(i: u32, v: vec3<f32>, w: vec3<f32>) { bodies[i].linear_velocity = v; bodies[i].angular_velocity = w; }
 fn set_body_drift(i: u32, v: vec3<f32>, w: vec3<f32>) { bodies[i].drift = v; bodies[i].turn = w; }
 fn set_body_load(i: u32, f: vec3<f32>, t: vec3<f32>) { bodies[i].force = f; bodies[i].torque = t; }
+fn set_body_wetted(i: u32, count: u32) { bodies[i].wetted = count; }
 fn set_body_exchange(i: u32, slot: u32, tick_plus_one: vec2<u32>, linear: vec3<f32>, angular: vec3<f32>) {
     bodies[i].exchanges[slot].linear = linear;
     bodies[i].exchanges[slot].angular = angular;
@@ -487,8 +489,8 @@ fn add_body_impulse(i: u32, slot: u32, linear: vec3<f32>, angular: vec3<f32>) {
             Binding::Drifts => "fn set_drift(i: u32, e: vec3<f32>) { drifts[i] = vec4<f32>(e, 0.0); }\n",
             Binding::BodySlots => "fn set_body_slot(i: u32, k: u32) { body_slots[i] = k; }\n",
             Binding::SampleLoads => {
-                "fn set_sample_load(k: u32, f: vec3<f32>, t: vec3<f32>) {
-    sample_loads[k] = SampleLoadRecord(f, 0.0, t, 0.0);
+                "fn set_sample_load(k: u32, f: vec3<f32>, t: vec3<f32>, wet: f32) {
+    sample_loads[k] = SampleLoadRecord(f, wet, t, 0.0);
 }
 "
             }

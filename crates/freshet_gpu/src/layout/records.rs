@@ -319,12 +319,12 @@ wgsl_struct! {
     pub struct SampleLoadRecord {
         /// N.
         force: Vec3,
-        /// Unused.
-        pad_a: f32,
+        /// One if a particle is within the support radius, otherwise zero.
+        wet: f32,
         /// About the body's centre of mass, N m.
         torque: Vec3,
         /// Unused.
-        pad_b: f32,
+        pad_a: f32,
     }
 
     /// What passed between the fluid and a body in one tick, minus what was forecast.
@@ -415,8 +415,8 @@ wgsl_struct! {
         reach: f32,
         /// Third column.
         inertia_z: Vec3,
-        /// Unused.
-        pad_c: u32,
+        /// Samples that the fluid reaches in this substep.
+        wetted: u32,
         /// From everything but the fluid, m/s2.
         acceleration: Vec3,
         /// Unused.

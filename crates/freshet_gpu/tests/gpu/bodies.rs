@@ -138,6 +138,30 @@ fn fluid_feels_the_samples_of_a_turned_body() {
 }
 
 #[test]
+fn samples_that_the_fluid_reaches_are_counted() {
+    for pressure_solver in
+        [PressureSolver::WeaklyCompressible, PressureSolver::DivergenceFree(DivergenceFree::default())]
+    {
+        let (mut scene, input) = block_and_ball();
+        let dry = BodyInput { position: Vec3::X * 2.0, ..input };
+        scene.bodies.push(scene.bodies[0].clone());
+        scene.settings.pressure_solver = pressure_solver;
+        if pressure_solver != PressureSolver::WeaklyCompressible {
+            scene.settings.equation_of_state = None;
+        }
+        let mut solver = solver(&scene);
+        let plan = solver.plan().clone();
+        let reach = plan.parameters.support_radius;
+        let is_wet = |sample: &&Vec3| plan.positions.iter().any(|x| x.distance(input.position + **sample) < reach);
+        let expected = plan.bodies[0].samples.iter().filter(is_wet).count() as u32;
+        assert!(expected > 20 && expected < 100, "{expected} of 120");
+        let bodies = vec![input, dry];
+        let report = solver.step(&StepInput { bodies, ..tick(0, INSTANT) }).unwrap();
+        assert_eq!(report.wetted, [expected, 0], "{pressure_solver:?}");
+    }
+}
+
+#[test]
 fn what_the_engine_has_not_heard_of_is_added_until_it_has() {
     let (scene, body) = block_and_ball();
     let mut solver = solver(&scene);
