@@ -117,6 +117,7 @@ mod tests {
         let trace = |kind| Trace { kind, first: 0.5, points: vec![point(2), point(3)] };
         let run = Run {
             name: "made up",
+            still: false,
             particles: 7,
             substep: 1e-3,
             tolerance: 1e-3,

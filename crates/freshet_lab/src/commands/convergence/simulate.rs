@@ -22,6 +22,8 @@ use crate::scenes::tank;
 pub struct State {
     /// Name, as in tables and charts.
     pub name: &'static str,
+    /// Whether it is water at rest.
+    pub still: bool,
     /// Scene.
     pub scene: FluidScene,
     /// Time to simulate before, s.
@@ -31,12 +33,12 @@ pub struct State {
 /// The three states.
 pub fn states(quick: bool) -> [State; 3] {
     let (edge, spacing) = if quick { (14.0, 0.05) } else { (20.0, 0.025) };
-    let state = |name, scene, seconds| State { name, scene: Method::DivergenceFree.on(scene), seconds };
+    let state = |name, still, scene, seconds| State { name, still, scene: Method::DivergenceFree.on(scene), seconds };
     let cube = 0.5;
     [
-        state("at rest", walled(cube, cube.into(), cube / edge), if quick { 1.0 } else { 3.0 }),
-        state("dam break", tank::scene(if quick { 3375 } else { 8000 }), 0.3),
-        state("column", walled(0.25, if quick { 1.0 } else { 2.0 }, spacing), 1.0),
+        state("at rest", true, walled(cube, cube.into(), cube / edge), if quick { 1.0 } else { 3.0 }),
+        state("dam break", false, tank::scene(if quick { 3375 } else { 8000 }), 0.3),
+        state("column", true, walled(0.25, if quick { 1.0 } else { 2.0 }, spacing), 1.0),
     ]
 }
 
@@ -96,7 +98,14 @@ pub fn simulate(
         progress.at(f64::from(done) / f64::from(total));
     }
     let tolerance = f64::from(DivergenceFree::default().divergence * bench.way).max(LEAST);
-    Ok(Run { name: state.name, particles: bench.rates_count(), substep: bench.substep.into(), tolerance, traces })
+    Ok(Run {
+        name: state.name,
+        still: state.still,
+        particles: bench.rates_count(),
+        substep: bench.substep.into(),
+        tolerance,
+        traces,
+    })
 }
 
 /// See [`DivergenceFree::LEAST_DIVERGENCE`].
