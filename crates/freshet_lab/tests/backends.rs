@@ -353,3 +353,39 @@ fn after_200_steps_the_water_is_at_the_same_place() {
     assert!((center - gpu_center).length() < 0.01 * center.length(), "centre of mass: {center} and {gpu_center} m");
     assert!((front - gpu_front).abs() < 0.01 * front, "front: {front} and {gpu_front} m");
 }
+
+/// A block in free fall, in substeps of different lengths: `x += dt (v + lead a)` with nothing but gravity.
+#[test]
+fn an_incompressible_fluid_moves_by_the_trapezoidal_rule() {
+    let mut scene = FluidScene {
+        volumes: vec![Volume { hydrostatic: false, ..Volume::block(Vec3::splat(0.15), Vec3::ZERO) }],
+        ..FluidScene::with_spacing(0.1)
+    };
+    scene.settings.pressure_solver = PressureSolver::DivergenceFree(DivergenceFree::default());
+    scene.settings.bounds = Some((Vec3::splat(-5.0), Vec3::splat(5.0)));
+    scene.settings.expected_speed = Some(1.0);
+    let plan = Plan::new(&scene).unwrap();
+    let (gravity, longest) = (scene.gravity, plan.parameters.longest_way());
+    let solvers: [Box<dyn FluidSolver>; 2] = [Box::new(cpu(&plan)), Box::new(gpu(&plan, None))];
+    for mut solver in solvers {
+        let (mut fallen, mut velocity, mut last) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+        let start = solver.snapshot().unwrap().positions;
+        for (number, dt) in [0.02, 0.02, 0.005, 0.01, 0.02].into_iter().enumerate() {
+            let report = solver.step(&StepInput { tick: number as u64, duration: dt, ..StepInput::default() }).unwrap();
+            assert_eq!((report.substeps, report.density_iterations), (1, 0), "{report:?}");
+            let way = (velocity + last * gravity).length() * dt / longest;
+            velocity += dt * gravity;
+            fallen += dt * (velocity + DivergenceFree::lead(way, last, dt) * gravity);
+            last = dt;
+            let now = solver.snapshot().unwrap().positions;
+            for (start, now) in start.iter().zip(&now) {
+                assert!((*now - *start - fallen).length() < 2e-6, "tick {number}: {} for {fallen}", *now - *start);
+            }
+        }
+        let plain: f32 = 0.02 * 0.02 + 0.02 * 0.04 + 0.005 * 0.045 + 0.01 * 0.055 + 0.02 * 0.075;
+        assert!(
+            (fallen.length() / (plain * gravity.length()) - 1.0) > 0.05,
+            "it goes farther than by velocities alone"
+        );
+    }
+}
