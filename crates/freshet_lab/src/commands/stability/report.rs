@@ -197,6 +197,8 @@ mod tests {
         let recorded = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/charts");
         let found = read(&Output::new(&recorded)?)?;
         assert!(found.iter().any(|found| found.failure == Some(Failure::LostOrNotFinite)));
+        let options = distinct(found.iter().map(|found| found.configuration.option));
+        assert_eq!(options.len(), SolverOption::ALL.len(), "{options:?}");
         let folder = std::env::temp_dir().join(format!("freshet_lab_stability_map_{}", std::process::id()));
         let output = Output::new(&folder)?;
         write(&output, &found)?;
