@@ -220,8 +220,6 @@ pub enum Failure {
     NotFinite,
     /// A particle lost: it left the bounds, or a number of it was not finite and the solver removed it.
     Lost,
-    /// One of the two above, in files from before they were told apart; no run ends so any more.
-    LostOrNotFinite,
     /// Kinetic energy and energy of height above 1.05 of the start.
     Energy,
     /// Mean compression above 5 % in a substep.
@@ -232,15 +230,13 @@ pub enum Failure {
 
 impl Failure {
     /// All of them, in the order of the map's legend.
-    pub const ALL: [Self; 6] =
-        [Self::NotFinite, Self::Lost, Self::LostOrNotFinite, Self::Energy, Self::Compression, Self::Crowded];
+    pub const ALL: [Self; 5] = [Self::NotFinite, Self::Lost, Self::Energy, Self::Compression, Self::Crowded];
 
     /// Letter in the map.
     pub fn letter(self) -> &'static str {
         match self {
             Self::NotFinite => "N",
             Self::Lost => "L",
-            Self::LostOrNotFinite => "L/N",
             Self::Energy => "E",
             Self::Compression => "C",
             Self::Crowded => "P",
@@ -252,7 +248,6 @@ impl Failure {
         match self {
             Self::NotFinite => "not finite",
             Self::Lost => "particle lost",
-            Self::LostOrNotFinite => "lost or not finite",
             Self::Energy => "energy",
             Self::Compression => "compression",
             Self::Crowded => "pairs too near",
