@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::scene::FluidScene;
+use freshet_core::viscosity::ViscosityModel;
 
 /// Value of `--method`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, ValueEnum)]
@@ -12,10 +13,12 @@ pub enum Method {
     WeaklyCompressible,
     /// DFSPH with its default tolerances.
     DivergenceFree,
+    /// The same without any viscosity but water's own, `mu` = 1e-3 Pa s.
+    WaterAlone,
 }
 
 impl Method {
-    /// Both.
+    /// Those that keep a scene's viscosity.
     pub const ALL: [Self; 2] = [Self::WeaklyCompressible, Self::DivergenceFree];
 
     /// Name, as in tables.
@@ -23,6 +26,7 @@ impl Method {
         match self {
             Self::WeaklyCompressible => "WCSPH",
             Self::DivergenceFree => "DFSPH",
+            Self::WaterAlone => "DFSPH, water's viscosity alone",
         }
     }
 
@@ -31,15 +35,28 @@ impl Method {
         match self {
             Self::WeaklyCompressible => "",
             Self::DivergenceFree => "_dfsph",
+            Self::WaterAlone => "_water",
         }
+    }
+
+    /// The option that asks for it, with a space before; nothing for the default.
+    pub fn option(self) -> String {
+        let is_default = self == Self::default();
+        let name = self.to_possible_value().filter(|_| !is_default);
+        name.map_or_else(String::new, |name| format!(" --method {}", name.get_name()))
     }
 
     /// The scene, simulated so.
     pub fn on(self, mut scene: FluidScene) -> FluidScene {
         scene.settings.pressure_solver = match self {
             Self::WeaklyCompressible => PressureSolver::WeaklyCompressible,
-            Self::DivergenceFree => PressureSolver::DivergenceFree(DivergenceFree::default()),
+            Self::DivergenceFree | Self::WaterAlone => PressureSolver::DivergenceFree(DivergenceFree::default()),
         };
+        if self == Self::WaterAlone {
+            scene.settings.artificial_viscosity = 0.0;
+            scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
+            scene.material.dynamic_viscosity = 1e-3;
+        }
         scene
     }
 }

@@ -1,7 +1,7 @@
 //! The dam breaks in their quick form, on both backends.
 
 use freshet_lab::backend::Backend;
-use freshet_lab::commands::dam_break::{HEIGHT_RMS_BOUND, Run, simulate};
+use freshet_lab::commands::dam_break::{HEIGHT_RMS_BOUND, INVISCID_RMS_BOUND, Run, SHIFTED_RMS_BOUND, simulate};
 use freshet_lab::error::LabError;
 use freshet_lab::method::Method;
 use freshet_lab::progress::Progress;
@@ -39,6 +39,26 @@ fn fronts_and_heights_are_near_the_experiments() -> Result<(), LabError> {
         for method in Method::ALL {
             assert_near_the_experiment(&run(experiment, method, Backend::Cpu)?);
         }
+    }
+    Ok(())
+}
+
+/// Water's viscosity alone, as in `calm-dfsph`: fronts leave as early as potential flow says, before the experiments' clocks.
+#[test]
+fn water_alone_flows_as_without_viscosity() -> Result<(), LabError> {
+    for experiment in DamBreakExperiment::ALL {
+        let run = run(experiment, Method::WaterAlone, Backend::Cpu)?;
+        let (name, inviscid) = (experiment.name, run.inviscid_error);
+        // Half a spacing is 4 % of the width here.
+        assert!(inviscid.rms < INVISCID_RMS_BOUND + 0.01, "{name}: {inviscid:?}");
+        assert!(run.error.rms_shifted < SHIFTED_RMS_BOUND, "{name}: {:?}", run.error);
+        let heights = run.height_error.map_or(0.0, |height| height.error.rms_shifted);
+        assert!(heights < HEIGHT_RMS_BOUND, "{name}: {heights}");
+        assert!(
+            run.account.lost == 0 && run.escaped == 0 && run.account.time_scale > 0.999,
+            "{name}: {:?}",
+            run.account
+        );
     }
     Ok(())
 }

@@ -38,7 +38,7 @@ struct Section {
 }
 
 /// In the order of the page; the cases of `validate` come after these.
-const SECTIONS: [Section; 10] = [
+const SECTIONS: [Section; 11] = [
     Section {
         stem: "dam_break",
         head: "Dam break",
@@ -48,6 +48,11 @@ const SECTIONS: [Section; 10] = [
         stem: "dam_break_dfsph",
         head: "Dam break, incompressible",
         about: "The same by divergence-free SPH, with a tenth of the substeps.",
+    },
+    Section {
+        stem: "dam_break_water",
+        head: "Dam break, water alone",
+        about: "The same without any viscosity but water's, the settings of a column at rest, and against potential flow.",
     },
     Section {
         stem: "column",

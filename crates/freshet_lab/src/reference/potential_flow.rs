@@ -47,16 +47,27 @@ const SHORTEST_STEP: f64 = 1e-4;
 const ELEMENTS: (f64, f64) = (0.08, 0.12);
 const ELEMENT_OVER_DEPTH: f64 = 1.2;
 
-/// Height at the back wall, over the height at the start, of a column `aspect` times as high as wide, over `tau`, until `end`.
-///
-/// Right to about 0.01: elements shorter by a third change it by less (tested). It ends early where the thin tongue cannot be
-/// resolved any more.
-pub fn column_height(aspect: f64, end: f64) -> Curve {
-    collapse(aspect, end, 1.0).0
+/// A collapse over `tau`, right to about 0.01: elements shorter by a third change heights by less, and fronts by less than a hundredth of
+/// them (tested). It ends early where the thin tongue cannot be resolved any more.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Collapse {
+    /// Height at the back wall, over the height at the start.
+    pub height: Curve,
+    /// How far from the wall all of the liquid but [`BEYOND`] is, in widths: the tip of the tongue is thinner than what an experiment sees,
+    /// or a particle.
+    pub front: Curve,
 }
 
-/// The heights, and the share of the liquid's area that is there at the end. `refinement` divides the elements' lengths.
-fn collapse(aspect: f64, end: f64, refinement: f64) -> (Curve, f64) {
+/// Share of the liquid that is farther than the front.
+pub const BEYOND: f64 = 0.005;
+
+/// The collapse of a column `aspect` times as high as wide, until `end`.
+pub fn collapse(aspect: f64, end: f64) -> Collapse {
+    refined(aspect, end, 1.0).0
+}
+
+/// The collapse, and the share of the liquid's area that is there at the end. `refinement` divides the elements' lengths.
+fn refined(aspect: f64, end: f64, refinement: f64) -> (Collapse, f64) {
     let rows = 50;
     let top = (0..=rows).map(|i| (f64::from(i) / f64::from(rows), aspect));
     let side = (1..=rows).map(|i| (1.0, aspect * (1.0 - f64::from(i) / f64::from(rows))));
@@ -66,7 +77,8 @@ fn collapse(aspect: f64, end: f64, refinement: f64) -> (Curve, f64) {
         smooth(&mut nodes, |f| (f[1] + 2.0 * f[2] + f[3]) / 4.0);
     }
     let start = area(&nodes);
-    let mut heights: Curve = [(0.0, 1.0)].into_iter().collect();
+    let mut found =
+        Collapse { height: [(0.0, 1.0)].into_iter().collect(), front: [(0.0, front(&nodes))].into_iter().collect() };
     let (mut time, mut steps) = (0.0, 0_u32);
     while time < end {
         let first = rates(&nodes);
@@ -85,9 +97,10 @@ fn collapse(aspect: f64, end: f64, refinement: f64) -> (Curve, f64) {
             smooth(&mut nodes, |f| (-f[0] + 4.0 * f[1] + 10.0 * f[2] + 4.0 * f[3] - f[4]) / 16.0);
         }
         nodes = regrid(&nodes, refinement);
-        heights.push(time, nodes[0].y / aspect);
+        found.height.push(time, nodes[0].y / aspect);
+        found.front.push(time, front(&nodes));
     }
-    (heights, area(&nodes) / start)
+    (found, area(&nodes) / start)
 }
 
 /// No node moves farther than its element is long, and no element is stretched by more than a quarter.
@@ -103,6 +116,21 @@ fn longest_step(nodes: &[Node], rates: &[[f64; 3]]) -> f64 {
 /// Area under the surface.
 fn area(nodes: &[Node]) -> f64 {
     nodes.windows(2).map(|pair| (pair[1].x - pair[0].x) * (pair[0].y + pair[1].y) / 2.0).sum()
+}
+
+/// Where [`BEYOND`] of the area is farther from the wall.
+fn front(nodes: &[Node]) -> f64 {
+    let mut left = BEYOND * area(nodes);
+    for pair in nodes.windows(2).rev() {
+        let (width, depth) = (pair[1].x - pair[0].x, (pair[0].y + pair[1].y) / 2.0);
+        let strip = width * depth;
+        if strip >= left {
+            // Depth changes little within an element.
+            return pair[1].x - width * left / strip;
+        }
+        left -= strip;
+    }
+    0.0
 }
 
 /// Replaces each node but the two at each end by a mean over five.
@@ -298,7 +326,7 @@ mod tests {
     fn heights_are_those_that_martin_and_moyce_measured() {
         for experiment in [&SQUARE, &TALL] {
             let end = experiment.heights.last().map_or(0.0, |point| point.0);
-            let (heights, area) = collapse(experiment.aspect, end + 0.01, 1.0);
+            let (Collapse { height: heights, .. }, area) = refined(experiment.aspect, end + 0.01, 1.0);
             assert!((area - 1.0).abs() < 0.02, "{area} of the area is left");
             let errors = experiment.heights.iter().map(|&(tau, height)| heights.at(tau).map(|found| found - height));
             let errors: Option<Vec<f64>> = errors.collect();
@@ -309,12 +337,15 @@ mod tests {
     }
 
     #[test]
-    fn shorter_elements_give_the_same_heights() {
+    fn shorter_elements_give_the_same_heights_and_fronts() {
         for (aspect, end) in [(1.0, 6.3), (2.0, 7.4)] {
-            let [coarse, fine] = [1.0, 1.5].map(|refinement| collapse(aspect, end, refinement).0);
+            let [coarse, fine] = [1.0, 1.5].map(|refinement| refined(aspect, end, refinement).0);
             for tau in (1..=8).map(|i| end * f64::from(i) / 8.1) {
-                let (coarse, fine) = (coarse.at(tau).unwrap_or(f64::NAN), fine.at(tau).unwrap_or(f64::NAN));
-                assert!((coarse - fine).abs() < 0.01, "n^2 = {aspect}, tau = {tau}: {coarse:.4}, {fine:.4}");
+                let at = |curve: &Curve| curve.at(tau).unwrap_or(f64::NAN);
+                let heights = [&coarse, &fine].map(|of| at(&of.height));
+                assert!((heights[0] - heights[1]).abs() < 0.01, "n^2 = {aspect}, tau = {tau}: {heights:?}");
+                let fronts = [&coarse, &fine].map(|of| at(&of.front));
+                assert!((fronts[0] / fronts[1] - 1.0).abs() < 0.01, "n^2 = {aspect}, tau = {tau}: {fronts:?}");
             }
         }
     }

@@ -32,7 +32,7 @@ const TICKS_PER_SECOND: f64 = 60.0;
 fn seconds(method: Method) -> f64 {
     match method {
         Method::WeaklyCompressible => OPENING,
-        Method::DivergenceFree => 0.5,
+        Method::DivergenceFree | Method::WaterAlone => 0.5,
     }
 }
 

@@ -1,5 +1,6 @@
 //! `dam-break`: the front of collapsing columns against three published experiments, and their height against two.
 
+mod inviscid;
 mod report;
 mod simulate;
 
@@ -29,7 +30,9 @@ use crate::verdict::{Bound, Verdict};
 /// start, over all measured points; relative to what is left of the height it is given too.
 ///
 /// Bounds, on the CPU: 8 % at the finest resolution as it is, 5 % with the shift, and the error at the finest below that at
-/// the coarsest; the same 5 % with the shift for the height. Writes dam_break.csv (errors and cost), dam_break_fronts.csv and
+/// the coarsest; the same 5 % with the shift for the height. With water's viscosity alone fronts leave as early as those of potential
+/// flow, before the experiments' clocks: as it is, the front is then held against potential flow, to 5 %, and does not have to get
+/// better. Writes dam_break.csv (errors and cost), dam_break_fronts.csv and
 /// dam_break_heights.csv (all curves) and dam_break.svg.
 #[derive(Args, Clone, Debug)]
 pub struct DamBreakArgs {
@@ -49,6 +52,8 @@ pub struct DamBreakArgs {
 
 /// Largest error at the finest resolution, as it is.
 pub const RMS_BOUND: f64 = 0.08;
+/// Largest error at the finest resolution against potential flow, of water's viscosity alone.
+pub const INVISCID_RMS_BOUND: f64 = 0.05;
 /// Largest error at the finest resolution with the best shift.
 pub const SHIFTED_RMS_BOUND: f64 = 0.05;
 
@@ -107,25 +112,31 @@ pub fn run(args: &DamBreakArgs) -> Result<Verdict, LabError> {
     drop(progress);
     say(report::table(&runs));
     say_files(&output, &report::files(args.method).each_ref().map(String::as_str));
-    Ok(verdict(&runs))
+    Ok(verdict(args.method, &runs))
 }
 
 /// The bounds of all runs.
-pub fn verdict(runs: &[Run]) -> Verdict {
+pub fn verdict(method: Method, runs: &[Run]) -> Verdict {
     let mut verdict = Verdict::default();
     for experiment in DamBreakExperiment::ALL {
         let of_cpu = || runs.iter().filter(|run| run.experiment == experiment && run.backend == Backend::Cpu);
         let (coarsest, finest) = (of_cpu().min_by_key(|run| run.resolution), of_cpu().max_by_key(|run| run.resolution));
         let (Some(coarsest), Some(finest)) = (coarsest, finest) else { continue };
         let at = |what: &str| format!("{} at a/d = {}: {what}", experiment.name, finest.resolution);
-        verdict.check(at("RMS error"), finest.error.rms * 100.0, "%", Bound::Below(RMS_BOUND * 100.0));
+        let (reference, as_it_is, bound): (_, fn(&Run) -> f64, _) = match method {
+            Method::WaterAlone => (" against potential flow", |run| run.inviscid_error.rms, INVISCID_RMS_BOUND),
+            Method::WeaklyCompressible | Method::DivergenceFree => ("", |run| run.error.rms, RMS_BOUND),
+        };
+        let name = at(&format!("RMS error{reference}"));
+        verdict.check(name, as_it_is(finest) * 100.0, "%", Bound::Below(bound * 100.0));
         let shifted = finest.error.rms_shifted * 100.0;
         verdict.check(at("RMS error with shift"), shifted, "%", Bound::Below(SHIFTED_RMS_BOUND * 100.0));
         if let Some(height) = &finest.height_error {
             let bound = Bound::Below(HEIGHT_RMS_BOUND * 100.0);
             verdict.check(at("RMS error of the height with shift"), height.error.rms_shifted * 100.0, "%", bound);
         }
-        if coarsest.resolution < finest.resolution {
+        // Artificial viscosity goes with the spacing, and with it most of the error; without it the coarsest is as good.
+        if method != Method::WaterAlone && coarsest.resolution < finest.resolution {
             let name = at(&format!("RMS error over that at {}", coarsest.resolution));
             verdict.check(name, finest.error.rms / coarsest.error.rms, "", Bound::Below(1.0));
         }

@@ -2,6 +2,7 @@
 
 use freshet_core::plan::Plan;
 
+use super::inviscid;
 use crate::backend::Backend;
 use crate::drive::{Account, Drive};
 use crate::error::LabError;
@@ -30,6 +31,8 @@ pub struct Run {
     pub front: Curve,
     /// Against the experiment.
     pub error: ReferenceError,
+    /// Against potential flow, over the same time: it has no clock to shift.
+    pub inviscid_error: ReferenceError,
     /// Height `H` of the column at the back wall over `T`.
     pub height: Curve,
     /// That against the experiment; none where it was not measured.
@@ -108,6 +111,12 @@ pub fn simulate(
         let reason = format!("the run ended at T = {:.3}, before the last point", drive.time() / unit);
         LabError::Measure { what: "the error of the front", reason }
     })?;
+    let inviscid = inviscid::front(experiment, f64::from(resolution).recip());
+    let inviscid_error = ReferenceError::between(&fronts, &inviscid, experiment.window, Measure::Relative);
+    let inviscid_error = inviscid_error.ok_or_else(|| {
+        let reason = "the run does not cover the time of the potential flow".to_owned();
+        LabError::Measure { what: "the error of the front", reason }
+    })?;
     let height_error = HeightError::between(experiment, &heights, error.shift);
     if height_error.is_none() && !experiment.heights.is_empty() {
         let reason = format!("the run ended at T = {:.3}, before the last point", drive.time() / unit);
@@ -122,6 +131,7 @@ pub fn simulate(
         particles,
         front: fronts,
         error,
+        inviscid_error,
         height: heights,
         height_error,
         escaped,

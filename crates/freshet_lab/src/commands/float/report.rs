@@ -66,10 +66,7 @@ pub fn table(runs: &[Run]) -> Table {
 }
 
 fn csv(method: Method, runs: &[Run]) -> Csv {
-    let option = match method {
-        Method::WeaklyCompressible => "",
-        Method::DivergenceFree => " --method divergence-free",
-    };
+    let option = method.option();
     let comment = format!(
         "Freshet, floating ball: `cargo run --release -p freshet_lab -- float{option}`. Drafts over the diameter; impulse of the fluid \
          in the tick that ends at the time."

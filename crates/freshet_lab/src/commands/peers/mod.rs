@@ -105,7 +105,7 @@ impl Peer {
     pub fn settings(self) -> String {
         match self {
             Peer::Freshet(backend, Method::WeaklyCompressible) => format!("WCSPH, c = 10 v, {backend}"),
-            Peer::Freshet(backend, Method::DivergenceFree) => format!("DFSPH, 0.1 %, 0.4 d a step, {backend}"),
+            Peer::Freshet(backend, method) => format!("{}, 0.1 %, 0.4 d a step, {backend}", method.name()),
             Peer::Salva { tolerance } if tolerance == SALVA_DEFAULT => "DFSPH, 5 % (its default), CFL 0.5".to_owned(),
             Peer::Salva { tolerance } => format!("DFSPH, {} %, CFL 0.5", tolerance * 100.0),
             Peer::Splishsplash { method: "DFSPH" } => "DFSPH, 0.05 %, CFL 1 (its scenes)".to_owned(),

@@ -52,7 +52,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 15] = [
+pub const CASES: [&Case; 16] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -68,6 +68,7 @@ pub const CASES: [&Case; 15] = [
     &cases::commands::FLOAT,
     &cases::commands::DAM_BREAK,
     &cases::commands::DAM_BREAK_DFSPH,
+    &cases::commands::DAM_BREAK_WATER,
 ];
 
 #[cfg(test)]

@@ -4,7 +4,6 @@
 
 use freshet_core::field::Field;
 use freshet_core::plan::Plan;
-use freshet_core::viscosity::ViscosityModel;
 
 use super::super::{Case, Job, Level, Study, Trace};
 use crate::drive::Drive;
@@ -54,11 +53,7 @@ const TICK: f64 = 1.0 / 60.0;
 
 fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level, LabError> {
     let spacing = DEPTH / f64::from(resolution);
-    let mut scene = Method::DivergenceFree.on(walled((WIDTH * DEPTH) as f32, DEPTH, spacing as f32));
-    scene.settings.artificial_viscosity = 0.0;
-    scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
-    scene.material.dynamic_viscosity = 1e-3;
-    let plan = Plan::new(&scene)?;
+    let plan = Plan::new(&Method::WaterAlone.on(walled((WIDTH * DEPTH) as f32, DEPTH, spacing as f32)))?;
     let (particles, support) = (plan.positions.len(), f64::from(plan.parameters.support_radius));
     let per_layer = particles / resolution as usize;
     let mut drive = Drive::open(job.backend, plan, job.threads.count(), Vec::new())?;

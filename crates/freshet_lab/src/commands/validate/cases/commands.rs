@@ -39,6 +39,17 @@ pub const DAM_BREAK_DFSPH: Case = Case {
     },
 };
 
+/// The same with the settings of a column at rest.
+pub const DAM_BREAK_WATER: Case = Case {
+    name: "dam-break-water",
+    about: "the same with divergence-free SPH and water's viscosity alone, as in calm-dfsph, and against potential flow",
+    run: |job: &Job| {
+        let (common, threads) = (job.options(), job.threads);
+        let method = Method::WaterAlone;
+        found(dam_break::run(&DamBreakArgs { common, threads, resolutions: Vec::new(), method }))
+    },
+};
+
 /// See [`float`].
 pub const FLOAT: Case = Case {
     name: "float",
