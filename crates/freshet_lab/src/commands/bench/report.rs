@@ -243,7 +243,7 @@ fn panel(results: &Results, configurations: &[Configuration], scene: BenchScene)
     }
 }
 
-/// Head line of a scene's panel: that the tank's sizes are compared by the first 0.1 s, and which of them ran for less.
+/// Head line of a scene's panel: that the tank's sizes are compared by the first 0.1 s, which of them ran for less, and the least.
 fn title(results: &Results, scene: BenchScene) -> String {
     let title = scene.title();
     let of_scene = results.runs.iter().filter(|run| run.configuration.scene == scene);
@@ -253,7 +253,7 @@ fn title(results: &Results, scene: BenchScene) -> String {
     let least = size_and_time.reduce(|a, b| (a.0.min(b.0), a.1.min(b.1)));
     match (scene, least) {
         (BenchScene::Tank, Some((particles, seconds))) => {
-            format!("{title}, from {particles} particles on less: down to {seconds:.3} s")
+            format!("{title} (from {particles} on {seconds:.3} s)")
         }
         _ => title.to_owned(),
     }
@@ -327,6 +327,6 @@ mod tests {
         };
         assert_eq!(title(&[of(64_000, 0.5), of(125_000, 0.1)]), "tank, six walls, first 0.1 s");
         let with_large = title(&[of(64_000, 0.5), of(262_144, 0.05), of(512_000, 1.0 / 30.0)]);
-        assert_eq!(with_large, "tank, six walls, first 0.1 s, from 262144 particles on less: down to 0.033 s");
+        assert_eq!(with_large, "tank, six walls, first 0.1 s (from 262144 on 0.033 s)");
     }
 }

@@ -183,7 +183,7 @@ fn chart(runs: &[Run]) -> Chart {
     let measured = SQUARE.points.iter().map(|&(t, z)| (t / GRAVITY.sqrt(), z));
     let seconds = runs.iter().map(|run| run.seconds).fold(0.1, f64::max);
     let experiment = Series {
-        name: "Martin & Moyce 1952, n^2 = 1".to_owned(),
+        name: "Martin & Moyce 1952".to_owned(),
         mark: Mark::Circles(4),
         colour: Colour::INK,
         points: measured.filter(|point| point.0 <= seconds).collect(),
