@@ -8,6 +8,7 @@ mod reference;
 
 use common::solver;
 use floating::{Ball, assert_a_body_gets_what_the_fluid_loses, assert_substeps_are_short_enough_for_what_turns};
+use floating::{assert_a_tank_takes_its_water_along, closed_tank};
 use floating::{blade, block_at_ball, deep_pool, disturbed_column, substep_errors};
 use freshet_core::prelude::*;
 
@@ -171,4 +172,9 @@ fn odd_bodies_end_with_finite_numbers() {
 #[test]
 fn substeps_are_short_enough_for_what_turns() {
     assert_substeps_are_short_enough_for_what_turns(&mut solver(&blade(), 1));
+}
+
+#[test]
+fn a_tank_takes_its_water_along() {
+    assert_a_tank_takes_its_water_along(&mut solver(&closed_tank(), 2));
 }

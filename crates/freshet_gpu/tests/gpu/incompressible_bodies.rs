@@ -12,6 +12,7 @@ mod floating;
 #[path = "../../../freshet_cpu/tests/common/reference.rs"]
 mod reference;
 use floating::{Ball, assert_a_body_gets_what_the_fluid_loses, assert_substeps_are_short_enough_for_what_turns, ball};
+use floating::{assert_a_tank_takes_its_water_along, closed_tank};
 use floating::{blade, block_at_ball, deep_pool, disturbed_column, incompressible, momentum, substep_errors};
 
 /// Of one substep.
@@ -247,4 +248,9 @@ fn odd_bodies_end_with_finite_numbers() {
 #[test]
 fn substeps_are_short_enough_for_what_turns() {
     assert_substeps_are_short_enough_for_what_turns(&mut solver(&blade()));
+}
+
+#[test]
+fn a_tank_takes_its_water_along() {
+    assert_a_tank_takes_its_water_along(&mut solver(&closed_tank()));
 }
