@@ -1,10 +1,12 @@
 //! Scenes made to break a solver. Each ends with finite numbers and a report, or with a typed error; no particle is removed but
 //! those that start inside a wall or a body, and energy grows by no more than a twentieth.
 
+use freshet_core::leaks::LeakWatch;
 use freshet_core::plan::LeftOut;
 use freshet_core::prelude::*;
 use freshet_gpu::{DeviceRequest, GpuOptions, GpuSolver, open_device};
 use freshet_lab::backend::Backend;
+use freshet_lab::method::Method;
 
 /// Every scene runs on both.
 const BOTH: [Backend; 2] = [Backend::Cpu, Backend::Gpu];
@@ -36,9 +38,16 @@ fn energy(plan: &Plan, solver: &mut dyn FluidSolver, floor: f32) -> f64 {
     sum * f64::from(parameters.particle_mass)
 }
 
-/// Runs ticks and holds each report to what every scene must keep.
-fn survives(name: &str, backend: Backend, scene: &FluidScene, tick: f32, ticks: u64) -> StepReport {
+/// Runs ticks by either way to find pressures and holds each report to what every scene must keep; the last reports.
+fn survives(name: &str, backend: Backend, scene: &FluidScene, tick: f32, ticks: u64) -> [StepReport; 2] {
+    Method::ALL.map(|method| {
+        survives_by(&format!("{name}, {}", method.name()), backend, &method.on(scene.clone()), tick, ticks)
+    })
+}
+
+fn survives_by(name: &str, backend: Backend, scene: &FluidScene, tick: f32, ticks: u64) -> StepReport {
     let plan = Plan::new(scene).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let mut watch = LeakWatch::new(&scene.wall_layer().unwrap(), &scene.boundaries);
     let floor =
         plan.boundary.positions.iter().map(|sample| sample.y).fold(0.0, f32::min) + plan.parameters.boundary_depth;
     let mut solver = backend.open(plan.clone(), None).unwrap();
@@ -52,6 +61,9 @@ fn survives(name: &str, backend: Backend, scene: &FluidScene, tick: f32, ticks: 
     for number in 0..ticks {
         last = solver.step(&StepInput { tick: number, duration: tick, ..StepInput::default() }).unwrap();
         let now = energy(&plan, solver.as_mut(), floor);
+        let ids = solver.read(Field::Id).unwrap().integers().unwrap();
+        watch.look(&ids, &solver.read(Field::Position).unwrap().vectors().unwrap());
+        assert_eq!(watch.total(), 0, "{name} on {backend}, tick {number}: through a wall");
         assert_eq!((last.removed, last.refused), (0, 0), "{name} on {backend}, tick {number}: {last:?}");
         assert_eq!((last.inside_solids, last.beside_solids), (0, 0), "{name} on {backend}, tick {number}: {last:?}");
         assert_eq!(last.particles as usize, plan.positions.len(), "{name} on {backend}, tick {number}");
@@ -84,8 +96,9 @@ fn scales_and_densities_far_from_one() {
             let mut scene = dam(1.0, 0.05);
             scene.gravity = Vec3::NEG_Y * gravity;
             let (tick, ticks) = fall(1.0, gravity.max(9.81));
-            let last = survives(&format!("gravity {gravity}"), backend, &scene, tick, ticks);
-            assert!(gravity > 0.0 || last.max_speed < 0.05, "without gravity it rests: {last:?}");
+            for last in survives(&format!("gravity {gravity}"), backend, &scene, tick, ticks) {
+                assert!(gravity > 0.0 || last.max_speed < 0.05, "without gravity it rests: {last:?}");
+            }
         }
     }
 }
@@ -128,24 +141,29 @@ fn a_block_at_fifty_metres_a_second_against_a_plate() {
     scene.boundaries =
         vec![Boundary::new(BoundaryShape::Box { half_extents: Vec3::new(0.1, 1.0, 1.0) }, Vec3::new(1.0, 0.5, 0.25))];
     for backend in BOTH {
-        let last = survives("50 m/s", backend, &scene, 1e-3, 30);
-        assert!(last.max_speed < 150.0, "{backend}: {last:?}");
+        for last in survives("50 m/s", backend, &scene, 1e-3, 30) {
+            assert!(last.max_speed < 150.0, "{backend}: {last:?}");
+        }
     }
 }
 
 #[test]
 fn hitches_of_a_quarter_second_and_of_five() {
     for backend in BOTH {
-        let last = survives("a hitch", backend, &dam(1.0, 0.1), 0.25, 1);
-        assert!(last.simulated > 0.249, "{last:?}");
+        for last in survives("a hitch", backend, &dam(1.0, 0.1), 0.25, 1) {
+            assert!(last.simulated > 0.249, "{last:?}");
+        }
     }
-    let mut solver = Backend::Cpu.open(Plan::new(&dam(1.0, 0.1)).unwrap(), None).unwrap();
-    let error = solver.step(&StepInput { duration: 5.0, ..StepInput::default() }).unwrap_err();
-    assert!(matches!(&error, SolverError::Invalid(invalid) if invalid.field == "duration"), "{error:?}");
-    // In ticks of at most a second it is covered, and nothing was lost by the refusal.
-    for tick in 0..5 {
-        let report = solver.step(&StepInput { tick, duration: 1.0, ..StepInput::default() }).unwrap();
+    for backend in BOTH {
+        let mut solver = backend.open(Plan::new(&dam(1.0, 0.1)).unwrap(), None).unwrap();
+        let error = solver.step(&StepInput { duration: 5.0, ..StepInput::default() }).unwrap_err();
+        assert!(matches!(&error, SolverError::Invalid(invalid) if invalid.field == "duration"), "{error:?}");
+        // In ticks of at most a second it is covered, and nothing was lost by the refusal.
+        let report = solver.step(&StepInput { duration: 0.25, ..StepInput::default() }).unwrap();
         assert_eq!((report.removed, report.time_scale), (0, 1.0), "{report:?}");
+    }
+    for last in survives("five hitches of a second", Backend::Cpu, &dam(1.0, 0.1), 1.0, 5) {
+        assert_eq!(last.time_scale, 1.0, "{last:?}");
     }
 }
 
@@ -186,6 +204,36 @@ fn nothing_one_and_two_in_the_same_place() {
     }
 }
 
+/// Two particles in one place within a block that falls and splashes: pressure and viscosity act on both, and neither is thrown about.
+#[test]
+fn two_in_the_same_place_in_a_block() {
+    for backend in BOTH {
+        for method in Method::ALL {
+            let mut scene = method.on(dam(1.0, 0.1));
+            scene.settings.max_particles = Some(200);
+            let mut solver = backend.open(Plan::new(&scene).unwrap(), None).unwrap();
+            let place = solver.read(Field::Position).unwrap().vectors().unwrap()[62];
+            let again = NewParticles {
+                positions: vec![place],
+                velocities: vec![Vec3::ZERO],
+                lifetime: f32::INFINITY,
+                at: None,
+            };
+            let mut commands = vec![Command::Spawn(again)];
+            for tick in 0..30 {
+                let commands = std::mem::take(&mut commands);
+                let report =
+                    solver.step(&StepInput { tick, duration: 1.0 / 60.0, commands, ..StepInput::default() }).unwrap();
+                assert_eq!((report.particles, report.removed), (126, 0), "{backend}, tick {tick}: {report:?}");
+                // Twice what falls from the tank's rim; a particle too many in a place presses the others away.
+                assert!(report.max_speed < 9.0, "{} on {backend}, tick {tick}: {report:?}", method.name());
+            }
+            let positions = solver.read(Field::Position).unwrap().vectors().unwrap();
+            assert!(positions.iter().all(|position| position.is_finite()));
+        }
+    }
+}
+
 /// A tick's commands are carried out before its sort makes room, so of 5,000 spawned in a tick those beyond the pool's room are
 /// refused and counted; nothing else may come of it.
 #[test]
@@ -213,6 +261,15 @@ fn a_hundred_thousand_commands() {
             assert_eq!((report.refused, report.retired), (5_000 - room, room), "{backend}, tick {tick}: {report:?}");
             assert_eq!((report.removed, report.particles), (0, start), "{backend}, tick {tick}: {report:?}");
         }
+        // What is spawned and not removed is simulated.
+        let row = || (0..3u8).map(|i| 0.1 * f32::from(i));
+        let lattice = row().flat_map(|x| row().flat_map(move |y| row().map(move |z| Vec3::new(x, y, z))));
+        let positions: Vec<Vec3> = lattice.map(|place| place + Vec3::new(0.8, 0.5, 0.15)).collect();
+        let spawned = NewParticles { velocities: vec![Vec3::ZERO; 27], positions, lifetime: f32::INFINITY, at: None };
+        let commands = vec![Command::Spawn(spawned)];
+        let report = solver.step(&StepInput { tick: 10, duration: 1e-2, commands, ..StepInput::default() }).unwrap();
+        assert_eq!((report.removed, report.refused, report.particles), (0, 0, start + 27), "{backend}: {report:?}");
+        assert!((0.09..1.0).contains(&report.max_speed), "{backend}: {report:?}");
     }
 }
 

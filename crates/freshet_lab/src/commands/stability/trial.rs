@@ -12,6 +12,7 @@ use glam::Vec3;
 use crate::backend::Backend;
 use crate::drive::Drive;
 use crate::error::LabError;
+use crate::measure::containment::escaped;
 use crate::measure::spacing::nearest_distances;
 use crate::method::Method;
 
@@ -44,11 +45,20 @@ impl Situation {
         }
     }
 
+    /// Inner size of the container, whose lowest corner is the origin, m.
+    fn container(self) -> Vec3 {
+        match self {
+            Self::Violent => Vec3::new(1.2, 1.5, 0.5),
+            Self::Calm => Vec3::new(0.15, 0.75, 0.15),
+        }
+    }
+
     fn scene(self) -> FluidScene {
-        let (block, container, spacing) = match self {
-            Self::Violent => (Vec3::splat(0.5), Vec3::new(1.2, 1.5, 0.5), 0.05),
-            Self::Calm => (Vec3::new(0.15, 0.5, 0.15), Vec3::new(0.15, 0.75, 0.15), 0.025),
+        let (block, spacing) = match self {
+            Self::Violent => (Vec3::splat(0.5), 0.05),
+            Self::Calm => (Vec3::new(0.15, 0.5, 0.15), 0.025),
         };
+        let container = self.container();
         FluidScene {
             name: self.name().to_owned(),
             volumes: vec![Volume::block(block / 2.0, block / 2.0)],
@@ -218,7 +228,7 @@ impl std::fmt::Display for Configuration {
 pub enum Failure {
     /// A number that is not finite.
     NotFinite,
-    /// A particle lost: it left the bounds, or a number of it was not finite and the solver removed it.
+    /// A particle lost: it went through a wall, or a number of it was not finite and the solver removed it.
     Lost,
     /// Kinetic energy and energy of height above 1.05 of the start.
     Energy,
@@ -285,6 +295,9 @@ pub fn survives(configuration: &Configuration, number: f64) -> Result<Option<Fai
         }
         if now > 1.05 * start {
             return Ok(Some(Failure::Energy));
+        }
+        if escaped(&positions, Vec3::ZERO, configuration.situation.container()) > 0 {
+            return Ok(Some(Failure::Lost));
         }
         let near = nearest_distances(&positions, spacing).into_iter().filter(|&nearest| nearest < 0.3 * spacing);
         if near.count() * 100 > particles {
