@@ -46,6 +46,14 @@ impl Backend {
         self.open_with(plan, threads, true)
     }
 
+    /// Whether it runs on the processor: the CPU solver, or the GPU solver on a driver in software, which gets short forms only.
+    pub fn is_processor(self) -> Result<bool, LabError> {
+        Ok(match self {
+            Backend::Cpu => true,
+            Backend::Gpu => open_device(DeviceRequest::default())?.is_software(),
+        })
+    }
+
     fn open_with(
         self,
         plan: Plan,

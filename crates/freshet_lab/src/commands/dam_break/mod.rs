@@ -42,7 +42,7 @@ pub struct DamBreakArgs {
     /// Threads of the CPU solver.
     #[command(flatten)]
     pub threads: ThreadOption,
-    /// Particles along the column's width, coarse to fine. The GPU runs the coarsest only [default: 12,20,32; quick: 12,20].
+    /// Particles along the column's width, coarse to fine. A GPU driver in software runs the coarsest only [default: 12,20,32; quick: 12,20].
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(4..=200))]
     pub resolutions: Vec<u32>,
     /// How pressure is found. Files of another method than the default have its name; the GPU is left out where it cannot.
@@ -96,7 +96,8 @@ pub fn run(args: &DamBreakArgs) -> Result<Verdict, LabError> {
     let resolutions = args.resolutions();
     let mut jobs = Vec::new();
     for &backend in args.common.backends(BackendChoice::Both) {
-        let sizes = if backend == Backend::Gpu { &resolutions[..1] } else { &resolutions[..] };
+        let is_software = backend == Backend::Gpu && backend.is_processor()?;
+        let sizes = if is_software { &resolutions[..1] } else { &resolutions[..] };
         for &resolution in sizes {
             jobs.extend(DamBreakExperiment::ALL.map(|experiment| Job { experiment, backend, resolution }));
         }

@@ -19,13 +19,13 @@ use crate::verdict::Verdict;
 
 /// Simulations against exact solutions and measurements, with the observed order of convergence.
 ///
-/// Most cases run at three resolutions, two in the quick form, the coarsest alone on the GPU. Each has a bound on its error at the
+/// Most cases run at three resolutions, two in the quick form, the coarsest alone on a GPU driver in software. Each has a bound on its error at the
 /// finest of the full form; what is smooth also has to get better: its error there over that at the coarsest is at most 0.6. They
 /// write NAME.csv and NAME.svg. The others are commands of their own (column: one resolution; float: two; dam-break: three) with their
 /// own bounds and files, see their help. What a backend cannot do is named and left out.
 #[derive(Args, Clone, Debug)]
 pub struct ValidateArgs {
-    /// Options every command has. The GPU runs the coarsest resolution only.
+    /// Options every command has. A GPU driver in software runs the coarsest resolution only.
     #[command(flatten)]
     pub common: CommonOptions,
     /// Threads of the CPU solver.

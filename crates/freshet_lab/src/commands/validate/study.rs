@@ -84,7 +84,8 @@ impl Study {
     /// Simulates all resolutions, writing the files anew after each.
     pub fn run(&self, job: &Job) -> Result<Findings, LabError> {
         let resolutions = if job.quick { &self.quick[..] } else { &self.resolutions[..] };
-        let resolutions = if job.backend == Backend::Gpu { &resolutions[..1] } else { resolutions };
+        let is_software = job.backend == Backend::Gpu && job.backend.is_processor()?;
+        let resolutions = if is_software { &resolutions[..1] } else { resolutions };
         let work = |resolution: u32| f64::from(resolution).powi(3);
         let mut progress = Progress::new(resolutions.iter().map(|&resolution| work(resolution)).sum());
         let mut levels = Vec::new();

@@ -20,14 +20,14 @@ use crate::verdict::{Bound, Check};
 /// The case, weakly compressible.
 pub const CASE: Case = Case {
     name: "deep-column",
-    about: "a column of water, 10 m, at rest between walls: compression under 1 % by a cubic-spline sum, pressure against depth; exact",
+    about: "a column of water, 10 m, at rest between walls: compression under 1 % by a cubic-spline sum; pressure against depth is drawn and has no bound",
     run: |job| WEAKLY_COMPRESSIBLE.run(job),
 };
 
 /// The same with the incompressible solver.
 pub const DIVERGENCE_FREE: Case = Case {
     name: "deep-column-dfsph",
-    about: "the same with divergence-free SPH: compression under 1 % by a cubic-spline sum, pressure against depth; exact",
+    about: "the same with divergence-free SPH: compression under 1 % by a cubic-spline sum; pressure against depth is drawn and has no bound",
     run: |job| INCOMPRESSIBLE.run(job),
 };
 

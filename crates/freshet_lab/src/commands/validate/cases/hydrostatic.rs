@@ -33,7 +33,7 @@ pub const DIVERGENCE_FREE: Case = Case {
 const WEAKLY_COMPRESSIBLE: Study = Study {
     name: "hydrostatic",
     title: "Water at rest, 0.5 m deep",
-    measure: "RMS of the pressure over rho g D",
+    measure: "RMS of the pressure, means over a support radius, over rho g D",
     bound: 0.01,
     coarse_bound: Some(0.03),
     smooth: true,
