@@ -196,8 +196,8 @@ cargo test --workspace --no-run
 
 # Lines of a package's folder, a tab, and a test binary of it; those that take longest first, so that they end with the others.
 test_binaries() {
-    cargo test --workspace --no-run --quiet --message-format=json |
-        sed -n '/"test":true},"features"/s/.*"manifest_path":"\([^"]*\)\/Cargo.toml".*"executable":"\([^"]*\)".*/\1'$'\t''\2/p' |
+    cargo test --workspace --no-run --quiet --message-format=json >"$scratch/messages"
+    <"$scratch/messages" sed -n '/"test":true},"features"/s/.*"manifest_path":"\([^"]*\)\/Cargo.toml".*"executable":"\([^"]*\)".*/\1'$'\t''\2/p' |
         awk '{ print /\/column-[^\/]*$/ ? 0 : /\/float-[^\/]*$/ ? 1 : /\/it-[^\/]*$/ ? 2 : 3, $0 }' | sort -s -n -k1,1 | cut -d ' ' -f 2-
 }
 
@@ -218,7 +218,9 @@ export scratch
 
 step 'tests'
 test_binaries >"$scratch/binaries"
-[[ -s $scratch/binaries ]] || fail 'cargo names no test binaries'
+# Counted in another way, so that none is dropped in silence when cargo's messages change.
+named=$(grep '"test":true' "$scratch/messages" | grep -c '"executable":"')
+[[ $named -gt 0 && $(wc -l <"$scratch/binaries") -eq $named ]] || fail "not all of the $named test binaries that cargo names were found"
 # Mesa's software driver: in the calling thread. Its own threads are of use to nobody while tests run side by side.
 tr '\n' '\0' <"$scratch/binaries" | LP_NUM_THREADS=0 xargs -0 -n 1 -P 2 bash -c 'run_tests "$1"' run_tests ||
     fail 'a test failed, see above'
