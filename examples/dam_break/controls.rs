@@ -3,9 +3,9 @@
 use bevy::input::keyboard::Key;
 use bevy::prelude::*;
 use bevy_freshet::prelude::*;
+use freshet_examples::trouble::Trouble;
 
 use crate::stage::{OnStage, Stage, build};
-use crate::trouble::Trouble;
 
 /// What each key does, for the help.
 pub const KEYS: [(&str, &str); 7] = [
