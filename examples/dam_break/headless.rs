@@ -50,8 +50,13 @@ pub fn run(arguments: &Arguments, setup: Setup) -> Result<(), String> {
         summary.least_time_scale = 1.0;
     });
     // Waited for, so that drawing does not take the cores from the solver whose time is measured.
-    let stage =
-        Stage { setup, backend: arguments.backend, mode: FluidMode::Lockstep, coloring: FluidColoring::default() };
+    let stage = Stage {
+        setup,
+        backend: arguments.backend,
+        mode: FluidMode::Lockstep,
+        coloring: FluidColoring::default(),
+        style: FluidStyle::default(),
+    };
     let mut app = App::new();
     furnish(&mut app, true);
     app.insert_resource(stage)

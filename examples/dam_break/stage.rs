@@ -22,6 +22,15 @@ pub struct Stage {
     pub mode: FluidMode,
     /// What the colours mean.
     pub coloring: FluidColoring,
+    /// Spheres, or a surface.
+    pub style: FluidStyle,
+}
+
+impl Stage {
+    /// How the fluid looks.
+    pub fn appearance(&self) -> FluidAppearance {
+        FluidAppearance { coloring: self.coloring.clone(), style: self.style, ..default() }
+    }
 }
 
 /// Spawns light and ground, which stay.
@@ -71,7 +80,7 @@ pub fn build(
     let domain = commands
         .spawn_fluid_scene(&stage.setup.scene, |domain| *domain = domain.clone().on(backend).in_mode(mode))
         .map_err(|error| error.to_string())?;
-    commands.entity(domain).insert((OnStage, FluidAppearance { coloring: stage.coloring.clone(), ..default() }));
+    commands.entity(domain).insert((OnStage, stage.appearance()));
     for (index, ball) in stage.setup.balls.iter().enumerate() {
         let color = [Color::srgb(0.93, 0.42, 0.12), Color::srgb(0.95, 0.75, 0.15)][index % 2];
         commands.spawn((

@@ -9,14 +9,19 @@ use freshet_examples::trouble::Trouble;
 use freshet_examples::window;
 
 use crate::arguments::Arguments;
-use crate::controls::{Help, keys_of_color, keys_of_scene, keys_of_time};
+use crate::controls::{Help, keys_of_looks, keys_of_scene, keys_of_time};
 use crate::scene::Setup;
 use crate::stage::{Stage, build, build_surroundings};
 
 /// Opens the window; returns when it is closed, with what has gone wrong until then.
 pub fn run(mut app: App, arguments: &Arguments, setup: Setup) -> Result<(), String> {
-    let stage =
-        Stage { setup, backend: arguments.backend, mode: FluidMode::Pipelined, coloring: FluidColoring::default() };
+    let stage = Stage {
+        setup,
+        backend: arguments.backend,
+        mode: FluidMode::Pipelined,
+        coloring: FluidColoring::default(),
+        style: FluidStyle::default(),
+    };
     window::furnish(&mut app, "Freshet: dam break");
     app.insert_resource(stage)
         .init_resource::<Help>()
@@ -25,7 +30,7 @@ pub fn run(mut app: App, arguments: &Arguments, setup: Setup) -> Result<(), Stri
             Update,
             (
                 steer.run_if(not(egui_wants_any_pointer_input)),
-                (keys_of_time, keys_of_color, keys_of_scene).run_if(not(egui_wants_any_keyboard_input)),
+                (keys_of_time, keys_of_looks, keys_of_scene).run_if(not(egui_wants_any_keyboard_input)),
             ),
         )
         .add_systems(EguiPrimaryContextPass, crate::panel::show);

@@ -51,7 +51,8 @@ pub fn spawn(
 ) -> Entity {
     let mut domain = FluidDomain::with_spacing(pool.spacing).on(pool.backend).in_mode(pool.mode);
     domain.settings.pressure_solver = FluidPressureSolver::divergence_free();
-    let domain = commands.spawn((domain, Transform::IDENTITY)).id();
+    let appearance = FluidAppearance { style: FluidStyle::water(), ..default() };
+    let domain = commands.spawn((domain, appearance, Transform::IDENTITY)).id();
     let member = (ChildOf(domain), FluidInDomain(domain));
     let middle = Vec3::Y * SIZE.y / 2.0;
     commands.spawn((

@@ -96,11 +96,6 @@ pub struct Hands<'w, 's> {
 }
 
 impl Hands<'_, '_> {
-    /// Edge of the level's crates, m.
-    pub fn crate_size(&self) -> f32 {
-        self.levels.0[self.game.level].crates.size
-    }
-
     /// Makes a move, if it is allowed now.
     pub fn act(&mut self, action: Action) {
         if self.game.phase != Phase::Playing {

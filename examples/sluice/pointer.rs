@@ -79,14 +79,23 @@ impl Pointer<'_, '_> {
 }
 
 /// Left button: a gate, or a crate.
-pub fn press(buttons: Res<ButtonInput<MouseButton>>, pointer: Pointer, mut hands: Hands) {
+pub fn press(
+    buttons: Res<ButtonInput<MouseButton>>,
+    pointer: Pointer,
+    (game, levels): (Res<Game>, Res<Levels>),
+) -> Option<Action> {
     if !buttons.just_pressed(MouseButton::Left) {
-        return;
+        return None;
     }
-    if let Some(gate) = pointer.gate() {
-        hands.act(Action::Gate(gate));
-    } else if let Some(place) = pointer.place().filter(|place| pointer.has_room(*place, hands.crate_size())) {
-        hands.act(Action::Crate(place));
+    let size = levels.0[game.level].crates.size;
+    let gate = pointer.gate().map(Action::Gate);
+    gate.or_else(|| pointer.place().filter(|place| pointer.has_room(*place, size)).map(Action::Crate))
+}
+
+/// Does what was pointed at.
+pub fn act(action: In<Option<Action>>, mut hands: Hands) {
+    if let Some(action) = *action {
+        hands.act(action);
     }
 }
 

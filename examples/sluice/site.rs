@@ -58,7 +58,8 @@ pub fn spawn(
     }
     // How much is in the basin is counted six times a second.
     let readback = FluidReadback { fields: vec![FluidField::Position], every: 10 };
-    let domain = commands.spawn((OnSite, domain, readback, Transform::default())).id();
+    let appearance = FluidAppearance { style: FluidStyle::Surface { clarity: 0.14, smoothing: 3.0 }, ..default() };
+    let domain = commands.spawn((OnSite, domain, readback, appearance, Transform::default())).id();
     let member = FluidInDomain(domain);
 
     // Panes in front and behind; no floor, and nothing at the sides.

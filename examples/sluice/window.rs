@@ -25,7 +25,7 @@ pub fn run(mut app: App, arguments: &Arguments, levels: Vec<Level>) -> Result<()
         .add_systems(
             Update,
             (
-                (steer, pointer::press).run_if(not(egui_wants_any_pointer_input)),
+                (steer, pointer::press.pipe(pointer::act)).run_if(not(egui_wants_any_pointer_input)),
                 (pointer::press_keys, hud::press_keys).run_if(not(egui_wants_any_keyboard_input)),
                 pointer::show_ghost,
                 hud::carry_out,

@@ -5,8 +5,8 @@ use bevy::light::{CascadeShadowConfigBuilder, NotShadowCaster};
 use bevy::prelude::*;
 
 /// Colour of the sky above, and where it meets the ground.
-const ZENITH: Color = Color::srgb(0.16, 0.36, 0.62);
-const HORIZON: Color = Color::srgb(0.72, 0.82, 0.88);
+const ZENITH: Color = Color::srgb(0.09, 0.33, 0.72);
+const HORIZON: Color = Color::srgb(0.80, 0.89, 0.95);
 
 /// A camera for scenes that are so large, m: what lies far beyond them fades into the horizon.
 pub fn camera(size: f32) -> impl Bundle {
@@ -48,7 +48,7 @@ pub fn spawn(
     commands.spawn((
         Mesh3d(meshes.add(Circle::new(40.0 * size).mesh().resolution(64))),
         MeshMaterial3d(materials.add(StandardMaterial {
-            base_color: Color::srgb(0.30, 0.34, 0.33),
+            base_color: Color::srgb(0.27, 0.33, 0.24),
             perceptual_roughness: 0.95,
             reflectance: 0.15,
             ..default()
@@ -75,7 +75,7 @@ fn dome(radius: f32) -> Mesh {
     let (zenith, horizon) = (LinearRgba::from(ZENITH), LinearRgba::from(HORIZON));
     let colors: Option<Vec<[f32; 4]>> = mesh.attribute(Mesh::ATTRIBUTE_POSITION).and_then(|positions| {
         let heights = positions.as_float3()?.iter().map(|position| (position[1] / radius).clamp(0.0, 1.0));
-        Some(heights.map(|height| horizon.mix(&zenith, height.powf(0.6)).to_f32_array()).collect())
+        Some(heights.map(|height| horizon.mix(&zenith, height.powf(0.35)).to_f32_array()).collect())
     });
     if let Some(colors) = colors {
         mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
