@@ -28,6 +28,8 @@ pub struct Watch {
     pub level: f32,
     /// Whether bodies are recorded.
     pub is_on: bool,
+    /// The largest speed of the water so far, m/s.
+    pub max_speed: f32,
 }
 
 /// Height of the surface: the median over columns two spacings wide of their highest particle, and half a spacing.
@@ -55,9 +57,11 @@ pub fn note_level(read: On<FluidReadbackComplete>, domains: Query<&FluidDomain>,
 
 /// Sums up how bodies are in this tick.
 pub fn record(
-    watch: Res<Watch>,
+    mut watch: ResMut<Watch>,
+    stats: Query<&FluidStats>,
     mut bodies: Query<(&Collider, &Transform, &FluidContact, &mut Record), With<Floater>>,
 ) {
+    watch.max_speed = stats.iter().map(|stats| stats.max_speed).fold(watch.max_speed, f32::max);
     if !watch.is_on {
         return;
     }

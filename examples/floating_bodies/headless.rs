@@ -18,9 +18,9 @@ use crate::shape::Shape;
 const DROPPED: [(Shape, f32); 8] = [
     (Shape::Ball, 200.0),
     (Shape::Cube, 500.0),
-    (Shape::Cylinder, 800.0),
+    (Shape::Cylinder, 600.0),
     (Shape::Capsule, 350.0),
-    (Shape::Cone, 650.0),
+    (Shape::Cone, 400.0),
     (Shape::Cross, 500.0),
     (Shape::Boat, 1200.0),
     (Shape::Ball, 3000.0),
@@ -105,13 +105,14 @@ fn print_summary(app: &mut App, domain: Entity) -> Result<(), String> {
     let bodies = bodies.iter(app.world()).map(|(floater, record, mass, pose)| (*floater, *record, *mass, *pose));
     println!(
         "{{\n  \"backend\": \"{}\",\n  \"particles\": {},\n  \"spacing_m\": {:.5},\n  \"simulated_s\": {:.4},\n  \"removed\": {},\n  \
-         \"level_m\": {:.4},\n  \"bodies\": [\n{}\n  ]\n}}",
+         \"level_m\": {:.4},\n  \"max_speed_m_s\": {:.3},\n  \"bodies\": [\n{}\n  ]\n}}",
         format!("{:?}", stats.backend).to_lowercase(),
         stats.particles,
         pool.spacing,
         stats.time,
         stats.removed,
         watch.level,
+        watch.max_speed,
         json(bodies),
     );
     Ok(())

@@ -41,9 +41,14 @@ pub fn show(
                 ui.selectable_value(&mut floater.shape, shape, shape.name());
             }
         });
-        ui.add(egui::Slider::new(&mut floater.density, DENSITIES).logarithmic(true).fixed_decimals(0).text("kg/m3"));
+        ui.add(
+            egui::Slider::new(&mut floater.density, DENSITIES)
+                .logarithmic(true)
+                .fixed_decimals(0)
+                .text("density, kg/m3"),
+        );
         let sizes = pool.least_size()..=LARGEST;
-        ui.add(egui::Slider::new(&mut floater.size, sizes).fixed_decimals(2).text("m"));
+        ui.add(egui::Slider::new(&mut floater.size, sizes).fixed_decimals(2).text("size, m"));
         ui.small(fate(floater));
         *starts_again |= ui.button("Start again").clicked();
         if let Some((floater, contact, mass)) = picked.0.and_then(|body| bodies.get(body).ok()) {

@@ -41,8 +41,8 @@ pub fn show(
                 let color = if left < 8.0 { egui::Color32::LIGHT_RED } else { ui.visuals().strong_text_color() };
                 ui.label(egui::RichText::new(format!("{left:4.1} s")).monospace().size(18.0).color(color));
                 ui.separator();
-                bar(ui, "basin", game.litres, level.goal.litres, "l");
-                bar(ui, "mill", game.turns, level.goal.turns, "turns");
+                bar(ui, "basin", (game.litres, level.goal.litres), 0, "l");
+                bar(ui, "mill", (game.turns, level.goal.turns), 1, "turns");
                 ui.label(format!("crates: {}", game.crates));
             });
             for stats in &stats {
@@ -83,7 +83,7 @@ fn ending(ui: &mut egui::Ui, game: &Game, level: &Level, is_last: bool, wish: &m
             ui.label(&level.hint);
             ui.add_space(6.0);
             ui.label(format!(
-                "Bring {:.0} l into the basin and turn the mill {:.0} times within {:.0} s.",
+                "Bring {:.0} l into the basin and turn the mill {:.1} times within {:.0} s.",
                 level.goal.litres, level.goal.turns, level.goal.seconds
             ));
             ui.small(
@@ -109,7 +109,7 @@ fn ending(ui: &mut egui::Ui, game: &Game, level: &Level, is_last: bool, wish: &m
         }
         Phase::TimeIsOver | Phase::WaterIsLost => {
             ui.label(format!("{:.0} of {:.0} l in the basin", game.litres, level.goal.litres));
-            ui.label(format!("{:.1} of {:.0} turns of the mill", game.turns, level.goal.turns));
+            ui.label(format!("{:.1} of {:.1} turns of the mill", game.turns, level.goal.turns));
             ui.add_space(6.0);
             if button(ui, "Again (R)") {
                 *wish = Wish::Again;
@@ -118,10 +118,11 @@ fn ending(ui: &mut egui::Ui, game: &Game, level: &Level, is_last: bool, wish: &m
     }
 }
 
-fn bar(ui: &mut egui::Ui, name: &str, value: f32, goal: f32, unit: &str) {
+/// What has been reached of what has to be, with so many decimals.
+fn bar(ui: &mut egui::Ui, name: &str, (value, goal): (f32, f32), decimals: usize, unit: &str) {
     let share = if goal > 0.0 { value / goal } else { 1.0 };
     let color = if share >= 1.0 { egui::Color32::from_rgb(60, 150, 70) } else { egui::Color32::from_rgb(40, 100, 170) };
-    let text = format!("{name}: {:.0} of {goal:.0} {unit}", value.max(0.0));
+    let text = format!("{name}: {:.decimals$} of {goal:.decimals$} {unit}", value.max(0.0));
     ui.add(egui::ProgressBar::new(share.clamp(0.0, 1.0)).desired_width(190.0).fill(color).text(text));
 }
 

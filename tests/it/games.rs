@@ -73,6 +73,8 @@ fn floating_bodies_float_as_deep_as_they_are_dense() {
     let printed = summary("floating_bodies", &arguments);
     assert_eq!(field(&printed, "backend"), "cpu", "{printed}");
     assert_eq!(number(&printed, "removed"), 0.0, "{printed}");
+    // What drops from 0.3 m has 2.4 m/s; what it squeezes out is faster, but is not blown away.
+    assert!(number(&printed, "max_speed_m_s") < 12.0, "{printed}");
     let bodies: Vec<&str> = printed.lines().filter(|line| line.contains("\"shape\"")).collect();
     assert_eq!(bodies.len(), 8, "{printed}");
     for body in bodies {
@@ -99,7 +101,7 @@ fn sluice_is_won_by_the_moves_of_each_level() {
         let printed = summary("sluice", &arguments);
         assert_eq!(field(&printed, "outcome"), "won", "{printed}");
         // Counted with the stream.
-        assert!(number(&printed, "turns") >= 2.0 && number(&printed, "score") > 1000.0, "{printed}");
+        assert!(number(&printed, "turns") >= 1.5 && number(&printed, "score") > 1000.0, "{printed}");
         assert!(number(&printed, "litres") > 150.0, "{printed}");
     }
 }

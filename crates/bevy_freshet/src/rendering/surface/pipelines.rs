@@ -16,6 +16,7 @@ use bevy::shader::{Shader, ShaderDefVal};
 use super::SurfaceShader;
 use super::textures::{DEPTH_FORMAT, SurfaceTextures, THICKNESS_FORMAT};
 use crate::rendering::buffers::DrawnFluids;
+use crate::rendering::extract::ExtractedFluids;
 use crate::rendering::pipeline::{ImpostorKey, ImpostorLayouts, ImpostorShader, ViewData};
 use crate::rendering::uniform::FluidUniform;
 
@@ -210,11 +211,15 @@ impl SpecializedRenderPipeline for SurfaceLayouts {
 
 pub(crate) fn queue_pipelines(
     mut commands: Commands,
-    views: Query<(Entity, ViewData)>,
+    extracted: Res<ExtractedFluids>,
+    views: Query<(Entity, ViewData), With<Camera3d>>,
     layouts: Res<SurfaceLayouts>,
     cache: Res<PipelineCache>,
     mut pipelines: ResMut<SpecializedRenderPipelines<SurfaceLayouts>>,
 ) {
+    if extracted.0.iter().all(|fluid| !fluid.is_surface) {
+        return;
+    }
     for (entity, data) in &views {
         let key = ImpostorKey::of(data);
         let mut pipeline = |key| pipelines.specialize(&cache, &layouts, key);

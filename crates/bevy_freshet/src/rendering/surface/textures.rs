@@ -10,6 +10,7 @@ use bevy::render::renderer::RenderDevice;
 use bevy::render::texture::{CachedTexture, TextureCache};
 use bevy::render::view::ExtractedView;
 
+use super::pipelines::SurfaceBindGroups;
 use crate::rendering::buffers::DrawnFluids;
 
 /// Depth of a point of the surface below the eye's plane, m; zero where there is none.
@@ -41,7 +42,7 @@ pub(crate) fn prepare_textures(
     let is_needed = drawn.fluids.iter().any(|fluid| fluid.is_surface);
     for (entity, camera, view, msaa) in &views {
         let Some(size) = camera.physical_target_size.filter(|_| is_needed) else {
-            commands.entity(entity).remove::<SurfaceTextures>();
+            commands.entity(entity).remove::<(SurfaceTextures, SurfaceBindGroups)>();
             continue;
         };
         let mut texture = |label, format, sample_count, usage| {
