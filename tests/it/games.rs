@@ -89,7 +89,7 @@ fn floating_bodies_float_as_deep_as_they_are_dense() {
         assert!(number(body, "wetted") > 0.1 && under_water < 0.98, "what floats looks out: {body}");
         // Thicker than four particles, and neither awash nor hollow.
         if matches!(shape, "ball" | "cube") {
-            assert!((under_water - density / 1000.0).abs() < 0.08, "{body}");
+            assert!((under_water - density / 1000.0).abs() < 0.05, "{body}");
         }
     }
 }
