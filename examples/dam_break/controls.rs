@@ -3,16 +3,17 @@
 use bevy::input::keyboard::Key;
 use bevy::prelude::*;
 use bevy_freshet::prelude::*;
+use freshet_examples::trouble::Trouble;
 
 use crate::stage::{OnStage, Stage, build};
-use crate::trouble::Trouble;
 
 /// What each key does, for the help.
-pub const KEYS: [(&str, &str); 7] = [
+pub const KEYS: [(&str, &str); 8] = [
     ("Space", "pause or go on"),
     ("N", "one tick, while paused"),
     ("R", "start again"),
     ("C", "colour by another field"),
+    ("V", "draw spheres or a surface"),
     ("+ / -", "more or fewer particles"),
     ("mouse, WASD, QE", "turn (left), move (right), come closer (wheel)"),
     ("H", "this help"),
@@ -20,7 +21,7 @@ pub const KEYS: [(&str, &str); 7] = [
 
 /// The keys that are always shown.
 pub const KEY_LINE: &str =
-    "Space: pause | N: one tick | R: start again | C: colour | + / -: more or fewer particles | H: help";
+    "Space: pause | N: one tick | R: start again | C: colour | V: surface | + / -: more or fewer particles | H: help";
 
 /// What colours can mean, in the order of the key.
 const COLORINGS: [(FluidField, FluidGradient); 7] = [
@@ -61,8 +62,8 @@ pub fn keys_of_time(
     }
 }
 
-/// Changes colours.
-pub fn keys_of_color(
+/// Changes colours, and what is drawn.
+pub fn keys_of_looks(
     keys: Res<ButtonInput<KeyCode>>,
     mut stage: ResMut<Stage>,
     mut fluids: Query<&mut FluidAppearance>,
@@ -72,9 +73,12 @@ pub fn keys_of_color(
         *chosen = (*chosen + 1) % COLORINGS.len();
         let (field, gradient) = COLORINGS[*chosen];
         stage.coloring = FluidColoring { field, gradient, range: None };
-        for mut appearance in &mut fluids {
-            appearance.coloring = stage.coloring.clone();
-        }
+    }
+    if keys.just_pressed(KeyCode::KeyV) {
+        stage.style = if stage.style == FluidStyle::Spheres { FluidStyle::water() } else { FluidStyle::Spheres };
+    }
+    for mut appearance in &mut fluids {
+        appearance.set_if_neq(stage.appearance());
     }
 }
 

@@ -7,8 +7,9 @@ use freshet_core::plan::Plan;
 use freshet_core::run::SceneRun;
 use freshet_core::solver::FluidSolver;
 use freshet_cpu::{CpuOptions, CpuSolver};
+use freshet_examples::headless::{TICKS_PER_SECOND, ticks};
 
-use crate::arguments::{Arguments, TICKS_PER_SECOND};
+use crate::arguments::Arguments;
 use crate::front::front;
 use crate::headless::progress;
 use crate::scene::Setup;
@@ -29,7 +30,7 @@ pub fn run(arguments: &Arguments, setup: &Setup) -> Result<(), String> {
         least_time_scale: 1.0,
         ..Summary::default()
     };
-    let ticks = arguments.ticks();
+    let ticks = ticks(arguments.seconds);
     let bar = progress(u64::from(ticks));
     for _ in 0..ticks {
         let input = scene_run.next(&plan, 1.0 / TICKS_PER_SECOND as f32, Vec::new());

@@ -4,7 +4,6 @@
 //! even in software: the CPU simulates, and there is a summary and a plot. `cargo run --example dam_break -- --help` lists the options.
 
 mod arguments;
-mod camera;
 mod controls;
 mod cpu_only;
 mod front;
@@ -14,52 +13,44 @@ mod plot;
 mod scene;
 mod stage;
 mod summary;
-mod trouble;
 mod window;
 
 use std::process::ExitCode;
 
 use arguments::Arguments;
 use bevy::app::App;
+use freshet_examples::arguments::{end, read, refuse};
+use freshet_examples::headless::find_adapter;
 use scene::Setup;
 
 fn main() -> ExitCode {
-    let arguments = match Arguments::read(std::env::args_os()) {
+    let arguments: Arguments = match read(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(exit) => return exit,
     };
     let setup = match Setup::new(&arguments) {
         Ok(setup) => setup,
-        Err(message) => return arguments::refuse(&message),
+        Err(message) => return refuse(&message),
     };
     let window = if arguments.headless { None } else { open_window(&arguments) };
     if window.is_none()
         && let Err(message) = arguments.make_folder()
     {
-        return arguments::refuse(&message);
+        return refuse(&message);
     }
-    // Bevy's renderer gives up the whole app if there is none.
-    let adapter = freshet_gpu::open_device(freshet_gpu::DeviceRequest::default());
-    let result = match (adapter, window) {
+    end(match (find_adapter(), window) {
         (Err(error), _) => {
             eprintln!("no GPU adapter, so no pictures: {error}");
             cpu_only::run(&arguments, &setup)
         }
-        (Ok(_), Some(app)) => window::run(app, &arguments, setup),
-        (Ok(_), None) => headless::run(&arguments, setup),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("error: {message}");
-            ExitCode::FAILURE
-        }
-    }
+        (Ok(()), Some(app)) => window::run(app, &arguments, setup),
+        (Ok(()), None) => headless::run(&arguments, setup),
+    })
 }
 
 /// An app that can open windows, or a line that says why there are pictures instead.
 fn open_window(arguments: &Arguments) -> Option<App> {
-    let opened = window::open();
+    let opened = freshet_examples::window::open();
     if let Err(reason) = &opened {
         eprintln!("no display, so pictures in {}: {reason}", arguments.out.display());
     }

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_freshet::prelude::*;
 use bevy_rapier3d::prelude::{Collider, ColliderMassProperties, RigidBody};
+use freshet_examples::tank;
 
 use crate::scene::Setup;
 
@@ -21,6 +22,15 @@ pub struct Stage {
     pub mode: FluidMode,
     /// What the colours mean.
     pub coloring: FluidColoring,
+    /// Spheres, or a surface.
+    pub style: FluidStyle,
+}
+
+impl Stage {
+    /// How the fluid looks.
+    pub fn appearance(&self) -> FluidAppearance {
+        FluidAppearance { coloring: self.coloring.clone(), style: self.style, ..default() }
+    }
 }
 
 /// Spawns light and ground, which stay.
@@ -70,7 +80,7 @@ pub fn build(
     let domain = commands
         .spawn_fluid_scene(&stage.setup.scene, |domain| *domain = domain.clone().on(backend).in_mode(mode))
         .map_err(|error| error.to_string())?;
-    commands.entity(domain).insert((OnStage, FluidAppearance { coloring: stage.coloring.clone(), ..default() }));
+    commands.entity(domain).insert((OnStage, stage.appearance()));
     for (index, ball) in stage.setup.balls.iter().enumerate() {
         let color = [Color::srgb(0.93, 0.42, 0.12), Color::srgb(0.95, 0.75, 0.15)][index % 2];
         commands.spawn((
@@ -91,49 +101,10 @@ pub fn build(
             Transform::from_translation(ball.position),
         ));
     }
-    let frame = materials.add(StandardMaterial {
-        base_color: Color::srgb(0.20, 0.24, 0.29),
-        perceptual_roughness: 0.4,
-        ..default()
-    });
-    let plate = materials.add(StandardMaterial {
-        base_color: Color::srgb(0.86, 0.88, 0.90),
-        perceptual_roughness: 0.6,
-        ..default()
-    });
     for (center, size) in stage.setup.tanks() {
-        let base = size * Vec3::new(1.0, 0.0, 1.0) + Vec3::new(0.12, 0.04, 0.12) * size.max_element();
-        commands.spawn((
-            OnStage,
-            Mesh3d(meshes.add(Cuboid::from_size(base))),
-            MeshMaterial3d(plate.clone()),
-            // The water stands on it.
-            Transform::from_translation(center - Vec3::Y * (size.y + base.y + 0.01 * size.max_element()) / 2.0),
-        ));
-        for (position, size) in edges(size, 0.006 * size.max_element()) {
-            commands.spawn((
-                OnStage,
-                Mesh3d(meshes.add(Cuboid::from_size(size))),
-                MeshMaterial3d(frame.clone()),
-                Transform::from_translation(center + position),
-            ));
+        for piece in tank::pieces(meshes, materials, center, size) {
+            commands.spawn((OnStage, piece));
         }
     }
     Ok(domain)
-}
-
-/// Bars along the twelve edges of a box: centres and sizes.
-fn edges(size: Vec3, width: f32) -> Vec<(Vec3, Vec3)> {
-    let half = (size + width) / 2.0;
-    let mut bars = Vec::new();
-    for axis in 0..3 {
-        for (u, v) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
-            let (mut center, mut bar) = (Vec3::ZERO, Vec3::splat(width));
-            center[(axis + 1) % 3] = u * half[(axis + 1) % 3];
-            center[(axis + 2) % 3] = v * half[(axis + 2) % 3];
-            bar[axis] = size[axis] + 2.0 * width;
-            bars.push((center, bar));
-        }
-    }
-    bars
 }

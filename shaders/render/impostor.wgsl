@@ -1,5 +1,6 @@
 // Particles as shaded spheres. A quad that just covers the sphere is made from the vertex index; the fragment shader
-// finds where its ray meets the sphere and writes that depth, so that fluid and meshes cut each other correctly.
+// finds where its ray meets the sphere and writes that depth, so that fluid and meshes cut each other correctly. The last two
+// fragment shaders are for surfaces (surface.wgsl).
 //
 // `FluidUniform`, `ParticleRecord` and the `FIELD_` constants are written in front of this text by Rust (bevy_freshet,
 // rendering).
@@ -147,17 +148,23 @@ fn shade(n: vec3<f32>, v: vec3<f32>, color: vec3<f32>, openness: f32) -> vec3<f3
     return light * view.exposure;
 }
 
-@fragment
-fn fragment(in: Vertex) -> Fragment {
-    // From a ray's start to where it meets the sphere. The start is the quad's point: near the sphere, so that f32 does.
-    let v = towards_eye(in.world_position);
+// From a ray's start backwards: half its way through the sphere, and how far the middle of that way is. The start is the quad's
+// point: near the sphere, so that f32 does.
+fn meet(in: Vertex, v: vec3<f32>) -> vec2<f32> {
     let offset = in.world_position - in.center;
     let b = dot(offset, v);
     let discriminant = b * b - dot(offset, offset) + fluid.radius * fluid.radius;
     if discriminant < 0.0 {
         discard;
     }
-    let hit = in.world_position + v * (sqrt(discriminant) - b);
+    return vec2(sqrt(discriminant), b);
+}
+
+@fragment
+fn fragment(in: Vertex) -> Fragment {
+    let v = towards_eye(in.world_position);
+    let way = meet(in, v);
+    let hit = in.world_position + v * (way.x - way.y);
     let n = (hit - in.center) / fluid.radius;
     let clip = view.clip_from_world * vec4(hit, 1.0);
 
@@ -172,4 +179,26 @@ fn fragment(in: Vertex) -> Fragment {
     color = vec4(linear_rgb_to_oklab(color.rgb), color.a);
 #endif
     return Fragment(color, clip.z / clip.w);
+}
+
+// For surfaces: how deep the nearest sphere lies, m.
+struct Nearest {
+    @location(0) depth: f32,
+    @builtin(frag_depth) occlusion: f32,
+}
+
+@fragment
+fn nearest(in: Vertex) -> Nearest {
+    let v = towards_eye(in.world_position);
+    let way = meet(in, v);
+    let hit = vec4(in.world_position + v * (way.x - way.y), 1.0);
+    let clip = view.clip_from_world * hit;
+    return Nearest(-(view.view_from_world * hit).z, clip.z / clip.w);
+}
+
+// For surfaces: how much of this particle lies on the ray, m, and its colour times that.
+@fragment
+fn thickness(in: Vertex) -> @location(0) vec4<f32> {
+    let way = 2.0 * meet(in, towards_eye(in.world_position)).x * fluid.fullness;
+    return vec4(in.color, 1.0) * way;
 }

@@ -100,5 +100,7 @@ pub mod render {
     shader_files! { "render":
         /// Particles as shaded spheres.
         IMPOSTOR = "impostor.wgsl",
+        /// A surface around particles.
+        SURFACE = "surface.wgsl",
     }
 }

@@ -4,6 +4,7 @@ mod bodies;
 mod components;
 mod emitters;
 mod example;
+mod games;
 mod golden;
 mod harness;
 mod lost_device;

@@ -7,7 +7,7 @@
 //! - [`simulation`]: from components to a plan and a stream of ticks, in the fixed schedule.
 //! - [`engine`]: where ticks are executed: a worker thread, or the GPU through [`gpu`] in Bevy's render graph.
 //! - [`coupling`]: rapier, walls as colliders, and bodies that float.
-//! - [`rendering`]: particles as shaded spheres, straight from the solver's buffers.
+//! - [`rendering`]: particles as shaded spheres, or as a surface, straight from the solver's buffers.
 
 pub mod components;
 pub mod coupling;
@@ -40,7 +40,7 @@ pub mod prelude {
     pub use crate::coupling::FluidCouplingPlugin;
     pub use crate::plugins::FreshetPlugins;
     pub use crate::rendering::FluidRenderPlugin;
-    pub use crate::rendering::appearance::{FluidAppearance, FluidColoring, FluidField};
+    pub use crate::rendering::appearance::{FluidAppearance, FluidColoring, FluidField, FluidStyle};
     pub use crate::rendering::gradient::FluidGradient;
     pub use crate::simulation::FluidSimulationPlugin;
     pub use crate::simulation::sets::FreshetSystems;

@@ -16,13 +16,39 @@ pub struct FluidAppearance {
     pub radius: f32,
     /// What the colours mean.
     pub coloring: FluidColoring,
+    /// What is made of the spheres.
+    pub style: FluidStyle,
     /// Whether what is drawn lies between ticks, as far as the fixed step has got. Off draws the last tick as it is.
     pub interpolate: bool,
 }
 
 impl Default for FluidAppearance {
     fn default() -> Self {
-        Self { radius: 0.62, coloring: FluidColoring::default(), interpolate: true }
+        Self { radius: 0.62, coloring: FluidColoring::default(), style: FluidStyle::default(), interpolate: true }
+    }
+}
+
+/// What is made of the spheres of a fluid's particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidStyle {
+    /// Each is drawn, opaque: every particle can be seen.
+    #[default]
+    Spheres,
+    /// A surface around all of them, through which the scene is seen, refracted and tinted, and in which the sky is mirrored. Opaque
+    /// meshes are seen through it; what is blended, such as glass, is drawn over it. Takes seven passes over the screen.
+    Surface {
+        /// Thickness that lets a third of the light through, m, 0.001 to 1000; white foam lets less through.
+        clarity: f32,
+        /// How far bumps are smoothed over the radius of a sphere, 0 to 20.
+        smoothing: f32,
+    },
+}
+
+impl FluidStyle {
+    /// A surface of water that is clear for half a metre.
+    pub fn water() -> Self {
+        Self::Surface { clarity: 0.5, smoothing: 3.0 }
     }
 }
 

@@ -96,6 +96,7 @@ pub(crate) struct DrawnFluid {
     pub(crate) bind_group: Option<BindGroup>,
     pub(crate) uniform_offset: u32,
     pub(crate) buffers: DrawBuffers,
+    pub(crate) is_surface: bool,
 }
 
 /// All domains ready to be drawn, and what is kept for them.
@@ -103,7 +104,7 @@ pub(crate) struct DrawnFluid {
 pub(crate) struct DrawnFluids {
     pub(crate) fluids: Vec<DrawnFluid>,
     uploaded: HashMap<Entity, Uploaded>,
-    uniforms: DynamicUniformBuffer<FluidUniform>,
+    pub(crate) uniforms: DynamicUniformBuffer<FluidUniform>,
 }
 
 /// Buffers of a lost device are of no use.
@@ -139,7 +140,8 @@ pub(crate) fn prepare_buffers(
             ..fluid.uniform
         };
         let uniform_offset = drawn.uniforms.push(&uniform);
-        drawn.fluids.push(DrawnFluid { bind_group: None, uniform_offset, buffers });
+        let is_surface = fluid.is_surface;
+        drawn.fluids.push(DrawnFluid { bind_group: None, uniform_offset, buffers, is_surface });
     }
     drawn.uniforms.write_buffer(&device, &queue);
 }

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy::render::Extract;
 use freshet_core::field::Field;
 
-use super::appearance::FluidAppearance;
+use super::appearance::{FluidAppearance, FluidStyle};
 use super::ranges::expected_range;
 use super::uniform::{FluidUniform, GRADIENT_COLORS, field_number};
 use crate::engine::Engine;
@@ -28,6 +28,7 @@ pub(crate) struct ExtractedFluid {
     pub(crate) entity: Entity,
     pub(crate) uniform: FluidUniform,
     pub(crate) particles: Particles,
+    pub(crate) is_surface: bool,
 }
 
 /// All domains to be drawn.
@@ -71,19 +72,34 @@ pub(crate) fn extract_fluids(
         } else {
             0.0
         };
-        let radius = appearance.radius.clamp(0.05, 2.0);
+        let radius = within(appearance.radius, 0.05, 2.0, 0.62);
+        let (is_surface, clarity, smoothing) = match appearance.style {
+            FluidStyle::Spheres => (false, 1.0, 0.0),
+            FluidStyle::Surface { clarity, smoothing } => {
+                (true, within(clarity, 1e-3, 1e3, 0.5), within(smoothing, 0.0, 20.0, 3.0))
+            }
+        };
+        let spacing = plan.parameters.spacing;
         let uniform = FluidUniform {
             world_from_domain: transform.to_matrix(),
             gradient,
             range: Vec2::new(low, 1.0 / span),
-            radius: plan.parameters.spacing * if radius.is_nan() { 0.62 } else { radius },
+            radius: spacing * radius,
             lag,
             inverse_rest_density: 1.0 / plan.parameters.rest_density,
+            inverse_clarity: 1.0 / clarity,
+            smoothing: spacing * radius * smoothing,
+            fullness: 1.0 / (4.0 / 3.0 * std::f32::consts::PI * radius.powi(3)),
             field: field_number(field),
             ..default()
         };
-        extracted.0.push(ExtractedFluid { entity, uniform, particles });
+        extracted.0.push(ExtractedFluid { entity, uniform, particles, is_surface });
     }
+}
+
+/// The nearest allowed value; of what is no number, the default.
+fn within(value: f32, least: f32, most: f32, default: f32) -> f32 {
+    if value.is_nan() { default } else { value.clamp(least, most) }
 }
 
 pub(crate) fn extract_sun(

@@ -1,8 +1,8 @@
-//! Draws particles as shaded spheres, straight from the solver's buffers.
+//! Draws particles as shaded spheres, or as a surface, straight from the solver's buffers.
 //!
 //! [`appearance`] and [`gradient`] are for users. In the render world, each frame: `extract` notes what is to be drawn,
 //! `buffers` finds or uploads the particles, `pipeline` makes the pipeline of each kind of view, `pass` draws after
-//! Bevy's opaque meshes.
+//! Bevy's opaque meshes. `surface` makes one surface of the spheres instead, where that is asked for.
 
 pub mod appearance;
 mod buffers;
@@ -11,6 +11,7 @@ pub mod gradient;
 mod pass;
 mod pipeline;
 mod ranges;
+mod surface;
 mod uniform;
 
 use bevy::core_pipeline::core_3d::{main_opaque_pass_3d, main_transparent_pass_3d};
@@ -36,7 +37,9 @@ impl Plugin for FluidRenderPlugin {
             return; // A server, or no adapter: nothing to draw on.
         }
         app.insert_resource(FluidsAreDrawn);
-        let shader = app.world_mut().resource_mut::<Assets<Shader>>().add(uniform::impostor_shader());
+        let mut shaders = app.world_mut().resource_mut::<Assets<Shader>>();
+        let (shader, surface_shader) =
+            (shaders.add(uniform::impostor_shader()), shaders.add(uniform::surface_shader()));
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
         render_app
             .insert_resource(pipeline::ImpostorShader(shader))
@@ -64,5 +67,6 @@ impl Plugin for FluidRenderPlugin {
                     // Glass is blended over the fluid.
                     .before(main_transparent_pass_3d),
             );
+        surface::add_to(render_app, surface_shader);
     }
 }

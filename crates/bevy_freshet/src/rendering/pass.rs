@@ -29,7 +29,7 @@ pub(crate) fn draw_fluids(
 ) {
     let (camera, target, depth, view_offset, pipeline, view_bind_group, resolution) = view.into_inner();
     let Some(pipeline) = pipelines.get_render_pipeline(pipeline.0) else { return };
-    if drawn.fluids.is_empty() {
+    if drawn.fluids.iter().all(|fluid| fluid.is_surface) {
         return;
     }
     let diagnostics = ctx.diagnostic_recorder();
@@ -49,7 +49,7 @@ pub(crate) fn draw_fluids(
     }
     pass.set_render_pipeline(pipeline);
     pass.set_bind_group(0, &view_bind_group.0, &[view_offset.offset]);
-    for fluid in &drawn.fluids {
+    for fluid in drawn.fluids.iter().filter(|fluid| !fluid.is_surface) {
         if let Some(bind_group) = &fluid.bind_group {
             pass.set_bind_group(1, bind_group, &[fluid.uniform_offset]);
             pass.draw_indirect(&fluid.buffers.arguments, fluid.buffers.arguments_offset);

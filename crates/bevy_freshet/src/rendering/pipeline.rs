@@ -5,6 +5,7 @@ use bevy::core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
 use bevy::core_pipeline::tonemapping::{
     DebandDither, Tonemapping, TonemappingLuts, get_lut_bind_group_layout_entries, get_lut_bindings,
 };
+use bevy::ecs::query::QueryItem;
 use bevy::prelude::*;
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::render_asset::RenderAssets;
@@ -37,8 +38,8 @@ pub(crate) struct ImpostorLayouts {
 /// What differs between views.
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) struct ImpostorKey {
-    format: TextureFormat,
-    samples: u32,
+    pub(crate) format: TextureFormat,
+    pub(crate) samples: u32,
     /// Without HDR, shaders map to the display themselves.
     tonemapping: Option<Tonemapping>,
     dither: bool,
@@ -82,16 +83,7 @@ impl SpecializedRenderPipeline for ImpostorLayouts {
     type Key = ImpostorKey;
 
     fn specialize(&self, key: Self::Key) -> RenderPipelineDescriptor {
-        let mut shader_defs = Vec::new();
-        if let Some(tonemapping) = key.tonemapping {
-            shader_defs.extend(["TONEMAP_IN_SHADER".into(), tonemapping_def(tonemapping).into()]);
-            shader_defs.push(ShaderDefVal::UInt("TONEMAPPING_LUT_TEXTURE_BINDING_INDEX".into(), 1));
-            shader_defs.push(ShaderDefVal::UInt("TONEMAPPING_LUT_SAMPLER_BINDING_INDEX".into(), 2));
-            if key.dither {
-                shader_defs.push("DEBAND_DITHER".into());
-            }
-        }
-        shader_defs.extend(key.space.map(ShaderDefVal::from));
+        let shader_defs = key.shader_defs();
         RenderPipelineDescriptor {
             label: Some("freshet:pipeline:impostor".into()),
             layout: vec![self.view.clone(), self.fluid.clone()],
@@ -137,24 +129,10 @@ fn tonemapping_def(tonemapping: Tonemapping) -> &'static str {
     }
 }
 
-type ViewData = (
-    Entity,
-    &'static ExtractedView,
-    &'static ExtractedCamera,
-    &'static Msaa,
-    Option<&'static Tonemapping>,
-    Option<&'static DebandDither>,
-);
-
-pub(crate) fn queue_pipelines(
-    mut commands: Commands,
-    views: Query<ViewData>,
-    layouts: Res<ImpostorLayouts>,
-    cache: Res<PipelineCache>,
-    mut pipelines: ResMut<SpecializedRenderPipelines<ImpostorLayouts>>,
-) {
-    for (entity, view, camera, msaa, tonemapping, dither) in &views {
-        let key = ImpostorKey {
+impl ImpostorKey {
+    /// What differs in this view.
+    pub(crate) fn of((view, camera, msaa, tonemapping, dither): QueryItem<ViewData>) -> Self {
+        Self {
             format: view.target_format,
             samples: msaa.samples(),
             tonemapping: tonemapping.copied().filter(|_| !camera.hdr),
@@ -164,8 +142,43 @@ pub(crate) fn queue_pipelines(
                 Some(CompositingSpace::Oklab) => Some("OKLAB_OUTPUT"),
                 _ => None,
             },
-        };
-        let pipeline = pipelines.specialize(&cache, &layouts, key);
+        }
+    }
+
+    /// The same for shaders that write colours.
+    pub(crate) fn shader_defs(&self) -> Vec<ShaderDefVal> {
+        let mut shader_defs = Vec::new();
+        if let Some(tonemapping) = self.tonemapping {
+            shader_defs.extend(["TONEMAP_IN_SHADER".into(), tonemapping_def(tonemapping).into()]);
+            shader_defs.push(ShaderDefVal::UInt("TONEMAPPING_LUT_TEXTURE_BINDING_INDEX".into(), 1));
+            shader_defs.push(ShaderDefVal::UInt("TONEMAPPING_LUT_SAMPLER_BINDING_INDEX".into(), 2));
+            if self.dither {
+                shader_defs.push("DEBAND_DITHER".into());
+            }
+        }
+        shader_defs.extend(self.space.map(ShaderDefVal::from));
+        shader_defs
+    }
+}
+
+/// What of a view decides its pipelines.
+pub(crate) type ViewData = (
+    &'static ExtractedView,
+    &'static ExtractedCamera,
+    &'static Msaa,
+    Option<&'static Tonemapping>,
+    Option<&'static DebandDither>,
+);
+
+pub(crate) fn queue_pipelines(
+    mut commands: Commands,
+    views: Query<(Entity, ViewData)>,
+    layouts: Res<ImpostorLayouts>,
+    cache: Res<PipelineCache>,
+    mut pipelines: ResMut<SpecializedRenderPipelines<ImpostorLayouts>>,
+) {
+    for (entity, data) in &views {
+        let pipeline = pipelines.specialize(&cache, &layouts, ImpostorKey::of(data));
         commands.entity(entity).insert(ImpostorPipeline(pipeline));
     }
 }

@@ -39,6 +39,12 @@ uniform! {
         /// s; how far what is drawn lies before the last tick.
         lag: f32 = "f32",
         inverse_rest_density: f32 = "f32",
+        /// One over the thickness of a surface that lets a third of the light through, 1/m.
+        inverse_clarity: f32 = "f32",
+        /// How far a surface is smoothed, m.
+        smoothing: f32 = "f32",
+        /// Volume of a particle over that of its sphere.
+        fullness: f32 = "f32",
         /// `FIELD_...` that colours.
         field: u32 = "u32",
     }
@@ -47,6 +53,13 @@ uniform! {
 /// The number of a field in the shader.
 pub(crate) fn field_number(field: Field) -> u32 {
     Field::ALL.iter().position(|other| *other == field).unwrap_or(0) as u32
+}
+
+/// The shader of surfaces.
+pub(crate) fn surface_shader() -> Shader {
+    let file = freshet_shaders::render::SURFACE;
+    let declarations = format!("const GRADIENT_COLORS: u32 = {GRADIENT_COLORS}u;\n{STRUCT}");
+    Shader::from_wgsl(format!("{declarations}{}", file.source), format!("freshet/{}", file.path))
 }
 
 /// The impostor shader: declarations made here, then the file.

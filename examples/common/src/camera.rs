@@ -3,8 +3,6 @@
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll};
 use bevy::prelude::*;
 
-use crate::scene::Setup;
-
 /// Where the camera is, seen from what it looks at.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct Orbit {
@@ -16,16 +14,18 @@ pub struct Orbit {
     pub yaw: f32,
     /// rad, positive from above.
     pub pitch: f32,
+    /// The mouse button that turns, and the one that moves.
+    pub buttons: [MouseButton; 2],
 }
 
 impl Orbit {
-    /// Shows the whole scene.
-    pub fn around(setup: &Setup) -> Self {
-        let (low, high) = setup.bounds;
+    /// Shows all that lies between two corners. The left button turns, the right one moves.
+    pub fn around((low, high): (Vec3, Vec3)) -> Self {
         let size = high - low;
         // A little below the middle, because fluid lies at the bottom; steep enough that no horizon distracts.
         let target = (low + high) / 2.0 - Vec3::Y * 0.05 * size.y;
-        Self { target, distance: 1.12 * size.length(), yaw: 0.42, pitch: 0.44 }
+        let buttons = [MouseButton::Left, MouseButton::Right];
+        Self { target, distance: 1.12 * size.length(), yaw: 0.42, pitch: 0.44, buttons }
     }
 
     /// The pose.
@@ -35,7 +35,7 @@ impl Orbit {
     }
 }
 
-/// Left button turns, right button and the arrow or WASD keys move, the wheel comes closer.
+/// One button turns, the other and the arrow or WASD keys move, the wheel comes closer.
 pub fn steer(
     mut cameras: Query<(&mut Orbit, &mut Transform)>,
     buttons: Res<ButtonInput<MouseButton>>,
@@ -46,12 +46,12 @@ pub fn steer(
 ) {
     for (mut orbit, mut transform) in &mut cameras {
         let mut new = *orbit;
-        if buttons.pressed(MouseButton::Left) {
+        if buttons.pressed(orbit.buttons[0]) {
             new.yaw -= motion.delta.x * 0.005;
             new.pitch = (new.pitch + motion.delta.y * 0.005).clamp(-1.5, 1.5);
         }
         let mut shift = Vec2::ZERO;
-        if buttons.pressed(MouseButton::Right) {
+        if buttons.pressed(orbit.buttons[1]) {
             shift += motion.delta * Vec2::new(-1.0, 1.0) * 0.0015;
         }
         let pressed = |a, b| if keys.any_pressed([a, b]) { 1.0 } else { 0.0 };
