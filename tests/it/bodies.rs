@@ -423,3 +423,44 @@ fn a_body_in_another_context_is_refused() {
     assert!(complaints[0].message.contains("RapierContextEntityLink"), "{complaints:?}");
     assert_eq!(test.stats(tank.domain).ticks, 4);
 }
+
+/// Bodies and domains say which fluids touch which bodies; others have no samples.
+#[test]
+fn a_body_that_no_fluid_touches_falls_through_it() {
+    for choice in [ALL[0], ALL[3]] {
+        let (mut test, domain, ball) = dropped_ball(choice);
+        let height = |test: &mut TestApp| test.world().get::<Transform>(ball).expect("a pose").translation.y;
+        let layers = |numbers: &[u32]| FluidLayers::new(numbers).expect("0 to 31");
+        test.world().entity_mut(ball).insert(layers(&[3]));
+        test.world().entity_mut(domain).insert(layers(&[0, 1]));
+        // It falls 0.4 m and more into the water.
+        test.tick(18);
+        assert_eq!((contact(&mut test, ball), passages(&mut test)), (FluidContact::default(), (0, 0)), "{choice:?}");
+        let fallen = 0.4 + 2.5 * RADIUS - height(&mut test);
+        assert!((0.35..0.45).contains(&fallen), "{choice:?}: {fallen} m of 0.39 in free fall");
+        // The fluid becomes one of the body's.
+        test.world().entity_mut(domain).insert(layers(&[1, 3]));
+        test.tick(3);
+        assert!(contact(&mut test, ball).samples > 20, "{choice:?}");
+        // And the body one that no fluid touches.
+        test.world().entity_mut(ball).insert(FluidLayers::NONE);
+        test.tick(3);
+        assert_eq!(contact(&mut test, ball), FluidContact::default(), "{choice:?}");
+        test.world().entity_mut(ball).remove::<FluidLayers>();
+        test.world().entity_mut(domain).remove::<FluidLayers>();
+        test.tick(3);
+        assert!(contact(&mut test, ball).samples > 20, "{choice:?}: without layers everything touches");
+        test.settle(domain);
+        assert_eq!(test.stats(domain).removed, 0, "{choice:?}");
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn layers_that_there_are_not_are_refused() {
+    let message = FluidLayers::new(&[0, 32]).expect_err("0 to 31").to_string();
+    assert_eq!(message, "FluidLayers[1]: 32 is not allowed; allowed: 0 to 31");
+    assert_eq!(FluidLayers::new(&[]), Ok(FluidLayers::NONE));
+    let some = FluidLayers::new(&[0, 31]).expect("0 to 31");
+    assert!(some.touches(FluidLayers::default()) && some.touches(FluidLayers::ALL) && !some.touches(FluidLayers::NONE));
+}
