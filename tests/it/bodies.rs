@@ -464,3 +464,71 @@ fn layers_that_there_are_not_are_refused() {
     let some = FluidLayers::new(&[0, 31]).expect("0 to 31");
     assert!(some.touches(FluidLayers::default()) && some.touches(FluidLayers::ALL) && !some.touches(FluidLayers::NONE));
 }
+
+/// Whether rapier lets a body sleep.
+fn is_asleep(test: &mut TestApp, body: Entity) -> bool {
+    test.world().get::<Sleeping>(body).expect("asked for").sleeping
+}
+
+fn incompressible(spacing: f32, choice: (FluidBackend, FluidMode)) -> FluidDomain {
+    let mut domain = FluidDomain::with_spacing(spacing).on(choice.0).in_mode(choice.1);
+    domain.settings.pressure_solver = FluidPressureSolver::divergence_free();
+    domain
+}
+
+/// Six spacings wide, as bodies should be: one of three is turned by the particles around it, slips along them and goes on turning.
+#[test]
+fn a_ball_at_rest_in_still_water_sleeps_within_five_seconds() {
+    let mut test = TestApp::new();
+    let domain = test.spawn(incompressible(0.05, ALL[0]));
+    test.spawn((FluidContainer::open_box(0.8, 1.2, 0.8), Transform::from_xyz(0.4, 0.6, 0.4)));
+    test.spawn((FluidVolume::from(Cuboid::new(0.8, 0.4, 0.8)), Transform::from_xyz(0.4, 0.2, 0.4)));
+    // As deep as it floats.
+    let ball = test.spawn((
+        RigidBody::Dynamic,
+        Collider::ball(RADIUS),
+        ColliderMassProperties::Density(500.0),
+        FluidBody::default(),
+        Sleeping::default(),
+        Transform::from_xyz(0.4, 0.42, 0.4),
+    ));
+    let slept = (0..320).find(|_| {
+        test.tick(1);
+        is_asleep(&mut test, ball)
+    });
+    println!("asleep after {slept:?} ticks");
+    assert!(slept.is_some_and(|ticks| ticks > 30), "after {slept:?} ticks of 320, which are five seconds");
+    test.tick(60);
+    assert!(is_asleep(&mut test, ball), "it goes on sleeping");
+    assert_eq!(test.stats(domain).removed, 0);
+}
+
+#[test]
+fn a_sleeping_body_wakes_a_tick_after_water_pushes_it() {
+    for choice in [ALL[0], (FluidBackend::Cpu, FluidMode::Pipelined)] {
+        let mut test = TestApp::new();
+        let domain = test.spawn(incompressible(0.1, choice));
+        test.spawn((FluidContainer::open_box(1.6, 1.2, 0.6), Transform::from_xyz(0.8, 0.6, 0.3)));
+        let block = test.spawn((
+            RigidBody::Dynamic,
+            Collider::cuboid(0.15, 0.15, 0.15),
+            ColliderMassProperties::Density(700.0),
+            FluidBody::default(),
+            Sleeping::default(),
+            Transform::from_xyz(1.3, 0.15, 0.3),
+        ));
+        test.tick(200);
+        assert!(is_asleep(&mut test, block), "{choice:?}: nothing touches it");
+        test.spawn((FluidVolume::from(Cuboid::new(0.6, 0.8, 0.6)), Transform::from_xyz(0.3, 0.4, 0.3)));
+        // Half a metre per second squared is the least that wakes.
+        let mass = test.world().get::<ReadMassProperties>(block).expect("comes with a FluidBody").mass;
+        let pushed = (0..120).find(|_| {
+            test.tick(1);
+            contact(&mut test, block).force.length() > 0.5 * mass
+        });
+        assert!(pushed.is_some(), "{choice:?}: the wave comes");
+        test.tick(1);
+        assert!(!is_asleep(&mut test, block), "{choice:?}: pushed in tick {pushed:?}");
+        assert_eq!(test.settle(domain).removed, 0, "{choice:?}");
+    }
+}
