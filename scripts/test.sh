@@ -219,7 +219,7 @@ export scratch
 step 'tests'
 test_binaries >"$scratch/binaries"
 # Counted in another way, so that none is dropped in silence when cargo's messages change.
-named=$(grep '"test":true' "$scratch/messages" | grep -c '"executable":"')
+named=$(grep '"profile":{[^}]*"test":true' "$scratch/messages" | grep -c '"executable":"')
 [[ $named -gt 0 && $(wc -l <"$scratch/binaries") -eq $named ]] || fail "not all of the $named test binaries that cargo names were found"
 # Mesa's software driver: in the calling thread. Its own threads are of use to nobody while tests run side by side.
 tr '\n' '\0' <"$scratch/binaries" | LP_NUM_THREADS=0 xargs -0 -n 1 -P 2 bash -c 'run_tests "$1"' run_tests ||

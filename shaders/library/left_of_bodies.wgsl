@@ -7,7 +7,7 @@
 
 // Adds what is wrong of a particle to the sums of the bodies it touches.
 fn add(a: u32, change: f32, left: f32, least: f32) {
-    let body = fields::touch(a);
+    let body = fields::touch(a) & ~touch::SWELLS;
     if (body == touch::NOBODY) {
         return;
     }

@@ -7,9 +7,11 @@
 #import freshet::hits
 #import freshet::kernels
 
-// Bodies are counted from one here. What is kept of a particle: the body that it touches, or one of these.
+// Bodies are counted from one here. What is kept of a particle: the body that it touches, or one of these; and whether one of those that
+// it touches swells.
 const NOBODY: u32 = 0u;
-const SEVERAL: u32 = 0xffffffffu;
+const SEVERAL: u32 = 0x7fffffffu;
+const SWELLS: u32 = 0x80000000u;
 
 struct Touch {
     // The body, or NOBODY.

@@ -7,7 +7,7 @@
 #import freshet::bindings as fields
 #import freshet::grid
 #import freshet::kernels
-#import freshet::rotation
+#import freshet::swelling
 #import freshet::threads
 
 #ifndef BODY_SUM
@@ -26,7 +26,7 @@ fn pressure_of(a: u32) -> f32 {
 
 fn load_sample(k: u32) {
     let body = fields::body_of_sample(k);
-    let arm = rotation::rotate(fields::body_rotation(body), fields::sample_offset(k));
+    let arm = swelling::arm(k, body);
     let position = fields::body_position(body) + arm;
     if (!threads::all_finite(position)) {
         fields::set_sample_load(k, vec3<f32>(0.0), vec3<f32>(0.0), 0.0);
@@ -48,7 +48,7 @@ fn load_sample(k: u32) {
             sum += (pressure_of(a) * kernels::slope_over_q(q)) * x;
         }
     }
-    let force = (fields::parameters.body_force_scale * fields::sample_volume(k)) * sum;
+    let force = (fields::parameters.body_force_scale * swelling::weight(k, body)) * sum;
     fields::set_sample_load(k, force, cross(arm, force), wet);
 }
 #endif
@@ -136,7 +136,7 @@ fn body_sum(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
         fields::set_body_load(body, force[0], torque[0]);
         fields::set_body_wetted(body, u32(wet[0]));
 #ifdef INCOMPRESSIBLE
-        fields::begin_answer(body, fields::body_inverse_mass(body) > 0.0);
+        fields::begin_answer(body, fields::body_inverse_mass(body) > 0.0 || fields::body_swollen(body) < 1.0);
 #endif
     }
 }

@@ -56,11 +56,20 @@ fn begin_bodies(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
     var drift = vec3<f32>(0.0);
     var turn = vec3<f32>(0.0);
     let away = position - fields::body_position(body);
+    let turned = rotation::between(fields::body_rotation(body), turning);
     let duration = fields::control.asked;
+    // What is new or elsewhere swells from nothing, see freshet_core::swelling.
+    let jumps = given.is_put != 0u || length(away) > fields::parameters.body_reach;
+    let is_elsewhere = length(away) + length(turned) * fields::body_reach(body) > fields::parameters.elsewhere;
+    if (given.is_whole != 0u) {
+        fields::set_body_swollen(body, 1.0);
+    } else if (!was_placed || (jumps && is_elsewhere)) {
+        fields::set_body_swollen(body, 0.0);
+    }
     if (was_placed && given.is_put == 0u && duration > 0.0 && length(away) <= fields::parameters.body_reach) {
         let limit = fields::parameters.expected_speed;
         drift = at_most(away / duration, limit);
-        turn = at_most(rotation::between(fields::body_rotation(body), turning) / duration, limit / fields::parameters.body_reach);
+        turn = at_most(turned / duration, limit / fields::parameters.body_reach);
         position = fields::body_position(body);
         turning = fields::body_rotation(body);
     }
@@ -96,5 +105,11 @@ fn body_motion(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     let position = fields::body_position(body) + dt * (linear_velocity + fields::body_drift(body));
     let turn = dt * (angular_velocity + fields::body_turn(body));
     fields::set_body_pose(body, position, rotation::turned(fields::body_rotation(body), turn));
+    let swollen = fields::body_swollen(body);
+    if (swollen < 1.0) {
+        let is_wet = fields::body_wetted(body) > 0u;
+        let way = select(fields::parameters.swelling_way, fields::parameters.push_out_speed * dt, is_wet);
+        fields::set_body_swollen(body, min(1.0, swollen + way / fields::body_swelling_reach(body)));
+    }
 }
 #endif

@@ -3,13 +3,13 @@
 
 #import freshet::bindings as fields
 #import freshet::grid
-#import freshet::rotation
+#import freshet::swelling
 #import freshet::threads
 
 // A sample where its body is now, m; samples of a body that is nowhere are kept out of the grid by `sample_cell`.
 fn place(k: u32) -> vec3<f32> {
     let body = fields::body_of_sample(k);
-    return fields::body_position(body) + rotation::rotate(fields::body_rotation(body), fields::sample_offset(k));
+    return fields::body_position(body) + swelling::arm(k, body);
 }
 
 fn sample_cell(k: u32) -> u32 {
@@ -83,10 +83,10 @@ fn body_sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_inv
     for (var other = first; other < end; other++) {
         rank += select(0u, 1u, fields::body_slot(other - fields::parameters.first_body_sample) < k);
     }
-    fields::set_sample(first + rank, vec4<f32>(place(k), fields::sample_volume(k)));
-#ifdef INCOMPRESSIBLE
     let body = fields::body_of_sample(k);
-    fields::set_sample_arm(first + rank, rotation::rotate(fields::body_rotation(body), fields::sample_offset(k)), body);
+    fields::set_sample(first + rank, vec4<f32>(place(k), swelling::weight(k, body)));
+#ifdef INCOMPRESSIBLE
+    fields::set_sample_arm(first + rank, swelling::arm(k, body), body);
 #endif
 }
 #endif

@@ -19,10 +19,12 @@ fn body_touch(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
         return;
     }
     var word = touch::NOBODY;
+    var swells = false;
     var found = touch::after(a, 0u);
     while (found.body != touch::NOBODY) {
         word = select(touch::SEVERAL, found.body, word == touch::NOBODY);
         let body = found.body - 1u;
+        swells = swells || fields::body_swollen(body) < 1.0;
         let unit = touch::unit_of(body);
         let units = touch::size(found) / unit;
         let counts = unit > 0.0 && threads::is_finite(units);
@@ -32,7 +34,7 @@ fn body_touch(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
         }
         found = touch::after(a, found.body);
     }
-    fields::set_touch(a, word);
+    fields::set_touch(a, word | select(0u, touch::SWELLS, swells));
 }
 #endif
 

@@ -14,6 +14,8 @@
 #ifdef BODIES
 #ifdef PROJECT
 #import freshet::left_of_bodies
+#else
+#import freshet::touch
 #endif
 #endif
 
@@ -232,6 +234,20 @@ fn sums_of(own: Own, a: u32) -> Sums {
 }
 #endif
 
+#ifdef BODIES
+#ifndef PROJECT
+#ifndef PRESSURE_CHANGE
+// What velocities correct of it beside a body that swells, beyond that: freshet_core::swelling.
+fn pushed_out(a: u32, excess: f32) -> f32 {
+    let too_dense = max(excess, 0.0);
+    let most = min(too_dense, fields::parameters.push_out_rate * fields::control.substep);
+    let more = max(most - fields::control.share * too_dense, 0.0);
+    return select(0.0, more, (fields::touch(a) & touch::SWELLS) != 0u);
+}
+#endif
+#endif
+#endif
+
 #ifdef DIVERGENCE_FIRST
 // What a substep may or must change of a density: DivergenceFree::source.
 fn source_of(excess: f32) -> f32 {
@@ -258,7 +274,11 @@ fn divergence_first(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
 #endif
         let rate = fields::parameters.rate_scale * (sums.fluid + number_density * sums.samples + of_bodies);
         let excess = fields::velocity_and_density(a).w * fields::parameters.inverse_rest_density - 1.0;
-        let left = source_of(excess) + fields::control.substep * rate;
+        var source = source_of(excess);
+#ifdef BODIES
+        source += pushed_out(a, excess);
+#endif
+        let left = source + fields::control.substep * rate;
         fields::set_source(a, left);
         solve::add_left(take_step(a, 0.0, 0.0, left, -fields::solved_pressure(a)));
     }
@@ -326,7 +346,10 @@ fn density_begin(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
         fields::set_density(a, density, pressure);
         if (solving) {
             let excess = max(density * fields::parameters.inverse_rest_density - 1.0, 0.0);
-            let too_much = fields::left(a) + (1.0 - fields::control.share) * excess;
+            var too_much = fields::left(a) + (1.0 - fields::control.share) * excess;
+#ifdef BODIES
+            too_much -= pushed_out(a, excess);
+#endif
             let step = max(step_scale() * too_much * fields::inverse_diagonal(a), 0.0);
             fields::set_source(a, too_much);
             fields::set_change(a, step);

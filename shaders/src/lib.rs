@@ -52,6 +52,8 @@ pub mod library {
         LEFT_OF_BODIES = "left_of_bodies.wgsl",
         /// Quaternions.
         ROTATION = "rotation.wgsl",
+        /// Samples of bodies that swell.
+        SWELLING = "swelling.wgsl",
     }
 }
 

@@ -161,15 +161,48 @@ fn a_body_may_change_at_any_time() {
         }
         let bar = Collider::cuboid(0.1, 0.06, 0.06);
         let parts = [0.1, -0.1].map(|x| (Vec3::X * x, Quat::IDENTITY, bar.clone())).to_vec();
-        // Above the water: a shape that grows into fluid throws it off.
         let pair = change(&mut test, &|body| {
-            body.insert((Collider::compound(parts.clone()), Transform::from_xyz(0.7, 0.75, 0.25)));
+            body.insert((Collider::compound(parts.clone()), Transform::from_xyz(0.7, 0.3, 0.25)));
         });
         assert_ne!(pair, wide, "{choice:?}");
         test.despawn(body);
         test.tick(3);
         assert_eq!(test.settle(tank.domain).ticks, 28, "{choice:?}");
         assert_eq!(test.stats(tank.domain).removed, 0, "{choice:?}");
+        test.expect_no_complaints();
+    }
+}
+
+/// A ball that is twice as large from one tick to the next, and then spawned anew, in a tank 0.6 m deep.
+#[test]
+fn a_ball_that_grows_in_water_pushes_it_out_gently() {
+    for choice in [ALL[0], ALL[3]] {
+        let mut test = TestApp::new();
+        let domain = test.spawn(FluidDomain::with_spacing(0.1).on(choice.0).in_mode(choice.1));
+        test.spawn((FluidContainer::open_box(0.8, 1.6, 0.8), Transform::from_xyz(0.4, 0.8, 0.4)));
+        test.spawn((FluidVolume::from(Cuboid::new(0.8, 0.6, 0.8)), Transform::from_xyz(0.4, 0.3, 0.4)));
+        let ball =
+            || (RigidBody::Fixed, Collider::ball(0.12), FluidBody::default(), Transform::from_xyz(0.4, 0.3, 0.4));
+        test.tick(10);
+        let small = test.spawn(ball());
+        test.tick(10);
+        let fastest = |test: &mut TestApp| {
+            let speed = |test: &mut TestApp| {
+                test.tick(1);
+                test.stats(domain).max_speed
+            };
+            (0..20).map(|_| speed(test)).fold(0f32, f32::max)
+        };
+        test.world().get_mut::<Transform>(small).expect("a pose").scale = Vec3::splat(2.0);
+        let grown = fastest(&mut test);
+        test.despawn(small);
+        test.tick(20);
+        test.spawn(ball());
+        let spawned = fastest(&mut test);
+        println!("{choice:?}: {grown} and {spawned} m/s");
+        // Water falls 0.6 m with 3.4 m/s; what is thrown off leaves with hundreds.
+        assert!(grown < 7.0 && spawned < 7.0, "{choice:?}: {grown} and {spawned} m/s");
+        assert_eq!(test.settle(domain).removed, 0, "{choice:?}");
         test.expect_no_complaints();
     }
 }
@@ -389,4 +422,113 @@ fn a_body_in_another_context_is_refused() {
     assert_eq!((complaints[0].entity, complaints[0].component), (ball, "FluidBody"));
     assert!(complaints[0].message.contains("RapierContextEntityLink"), "{complaints:?}");
     assert_eq!(test.stats(tank.domain).ticks, 4);
+}
+
+/// Bodies and domains say which fluids touch which bodies; others have no samples.
+#[test]
+fn a_body_that_no_fluid_touches_falls_through_it() {
+    for choice in [ALL[0], ALL[3]] {
+        let (mut test, domain, ball) = dropped_ball(choice);
+        let height = |test: &mut TestApp| test.world().get::<Transform>(ball).expect("a pose").translation.y;
+        let layers = |numbers: &[u32]| FluidLayers::new(numbers).expect("0 to 31");
+        test.world().entity_mut(ball).insert(layers(&[3]));
+        test.world().entity_mut(domain).insert(layers(&[0, 1]));
+        // It falls 0.4 m and more into the water.
+        test.tick(18);
+        assert_eq!((contact(&mut test, ball), passages(&mut test)), (FluidContact::default(), (0, 0)), "{choice:?}");
+        let fallen = 0.4 + 2.5 * RADIUS - height(&mut test);
+        assert!((0.35..0.45).contains(&fallen), "{choice:?}: {fallen} m of 0.39 in free fall");
+        // The fluid becomes one of the body's.
+        test.world().entity_mut(domain).insert(layers(&[1, 3]));
+        test.tick(3);
+        assert!(contact(&mut test, ball).samples > 20, "{choice:?}");
+        // And the body one that no fluid touches.
+        test.world().entity_mut(ball).insert(FluidLayers::NONE);
+        test.tick(3);
+        assert_eq!(contact(&mut test, ball), FluidContact::default(), "{choice:?}");
+        test.world().entity_mut(ball).remove::<FluidLayers>();
+        test.world().entity_mut(domain).remove::<FluidLayers>();
+        test.tick(3);
+        assert!(contact(&mut test, ball).samples > 20, "{choice:?}: without layers everything touches");
+        test.settle(domain);
+        assert_eq!(test.stats(domain).removed, 0, "{choice:?}");
+        test.expect_no_complaints();
+    }
+}
+
+#[test]
+fn layers_that_there_are_not_are_refused() {
+    let message = FluidLayers::new(&[0, 32]).expect_err("0 to 31").to_string();
+    assert_eq!(message, "FluidLayers[1]: 32 is not allowed; allowed: 0 to 31");
+    assert_eq!(FluidLayers::new(&[]), Ok(FluidLayers::NONE));
+    let some = FluidLayers::new(&[0, 31]).expect("0 to 31");
+    assert!(some.touches(FluidLayers::default()) && some.touches(FluidLayers::ALL) && !some.touches(FluidLayers::NONE));
+}
+
+/// Whether rapier lets a body sleep.
+fn is_asleep(test: &mut TestApp, body: Entity) -> bool {
+    test.world().get::<Sleeping>(body).expect("asked for").sleeping
+}
+
+fn incompressible(spacing: f32, choice: (FluidBackend, FluidMode)) -> FluidDomain {
+    let mut domain = FluidDomain::with_spacing(spacing).on(choice.0).in_mode(choice.1);
+    domain.settings.pressure_solver = FluidPressureSolver::divergence_free();
+    domain
+}
+
+/// Six spacings wide, as bodies should be: one of three is turned by the particles around it, slips along them and goes on turning.
+#[test]
+fn a_ball_at_rest_in_still_water_sleeps_within_five_seconds() {
+    let mut test = TestApp::new();
+    let domain = test.spawn(incompressible(0.05, ALL[0]));
+    test.spawn((FluidContainer::open_box(0.8, 1.2, 0.8), Transform::from_xyz(0.4, 0.6, 0.4)));
+    test.spawn((FluidVolume::from(Cuboid::new(0.8, 0.4, 0.8)), Transform::from_xyz(0.4, 0.2, 0.4)));
+    // As deep as it floats.
+    let ball = test.spawn((
+        RigidBody::Dynamic,
+        Collider::ball(RADIUS),
+        ColliderMassProperties::Density(500.0),
+        FluidBody::default(),
+        Sleeping::default(),
+        Transform::from_xyz(0.4, 0.42, 0.4),
+    ));
+    let slept = (0..320).find(|_| {
+        test.tick(1);
+        is_asleep(&mut test, ball)
+    });
+    println!("asleep after {slept:?} ticks");
+    assert!(slept.is_some_and(|ticks| ticks > 30), "after {slept:?} ticks of 320, which are five seconds");
+    test.tick(60);
+    assert!(is_asleep(&mut test, ball), "it goes on sleeping");
+    assert_eq!(test.stats(domain).removed, 0);
+}
+
+#[test]
+fn a_sleeping_body_wakes_a_tick_after_water_pushes_it() {
+    for choice in [ALL[0], (FluidBackend::Cpu, FluidMode::Pipelined)] {
+        let mut test = TestApp::new();
+        let domain = test.spawn(incompressible(0.1, choice));
+        test.spawn((FluidContainer::open_box(1.6, 1.2, 0.6), Transform::from_xyz(0.8, 0.6, 0.3)));
+        let block = test.spawn((
+            RigidBody::Dynamic,
+            Collider::cuboid(0.15, 0.15, 0.15),
+            ColliderMassProperties::Density(700.0),
+            FluidBody::default(),
+            Sleeping::default(),
+            Transform::from_xyz(1.3, 0.15, 0.3),
+        ));
+        test.tick(200);
+        assert!(is_asleep(&mut test, block), "{choice:?}: nothing touches it");
+        test.spawn((FluidVolume::from(Cuboid::new(0.6, 0.8, 0.6)), Transform::from_xyz(0.3, 0.4, 0.3)));
+        // Half a metre per second squared is the least that wakes.
+        let mass = test.world().get::<ReadMassProperties>(block).expect("comes with a FluidBody").mass;
+        let pushed = (0..120).find(|_| {
+            test.tick(1);
+            contact(&mut test, block).force.length() > 0.5 * mass
+        });
+        assert!(pushed.is_some(), "{choice:?}: the wave comes");
+        test.tick(1);
+        assert!(!is_asleep(&mut test, block), "{choice:?}: pushed in tick {pushed:?}");
+        assert_eq!(test.settle(domain).removed, 0, "{choice:?}");
+    }
 }

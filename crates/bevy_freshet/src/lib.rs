@@ -26,6 +26,7 @@ pub mod prelude {
     pub use crate::components::container::FluidContainer;
     pub use crate::components::domain::{FluidBackend, FluidDomain, FluidMode};
     pub use crate::components::emitter::FluidEmitter;
+    pub use crate::components::layers::FluidLayers;
     pub use crate::components::material::Fluid;
     pub use crate::components::membership::{FluidDomainMembers, FluidInDomain};
     pub use crate::components::problem::FluidProblem;

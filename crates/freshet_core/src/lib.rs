@@ -28,6 +28,7 @@ pub mod snapshot;
 pub mod solid;
 pub mod solver;
 pub mod step;
+pub mod swelling;
 pub mod variable_support;
 pub mod viscosity;
 pub mod work;

@@ -215,6 +215,10 @@ pub struct Body {
     /// Without, samples do not tell inside from outside, and what starts there is simulated.
     #[serde(default)]
     pub solids: Vec<Solid>,
+    /// Whether it is wholly there at once, wherever it comes, as a wall that moves is, and throws off what it finds. Others
+    /// [swell](crate::swelling) and push it out.
+    #[serde(default)]
+    pub at_once: bool,
 }
 
 /// How wide the kernels reach (P §4.1.4, eq. 4.1).
@@ -516,7 +520,7 @@ impl Body {
         let boundary = Boundary::new(shape, Vec3::ZERO);
         boundary.validate()?;
         let samples = sample_boundary(&boundary, layer)?;
-        Ok(Self { name: name.to_owned(), samples, solids: boundary.solids(layer) })
+        Ok(Self { name: name.to_owned(), samples, solids: boundary.solids(layer), at_once: false })
     }
 
     fn validate(&self) -> Result<(), InvalidInput> {

@@ -50,6 +50,8 @@ pub struct BodyPose {
     pub position: Vec3,
     /// Orientation.
     pub rotation: Quat,
+    /// How far it has [swollen](crate::swelling), 0 to 1: wholly there.
+    pub swollen: f32,
 }
 
 /// What passed between the fluid and a body in one tick, and what the body's engine forecast of it.
@@ -90,7 +92,7 @@ pub enum SnapshotError {
 }
 
 /// First bytes of a saved snapshot; the last is the version of the format.
-const MAGIC: &[u8] = b"FRESHET\x03";
+const MAGIC: &[u8] = b"FRESHET\x04";
 
 /// What is known of bodies, for the bodies of another plan: `before` is what
 /// [`Plan::bodies_of`](crate::plan::Plan::bodies_of) says.
@@ -186,8 +188,9 @@ impl Snapshot {
             return Err(InvalidInput::new(format_args!("remaining_lives[{index}]"), f32::NAN, "a number").into());
         }
         for (index, pose) in self.poses.iter().enumerate() {
-            let Some(BodyPose { position, rotation }) = pose else { continue };
+            let Some(BodyPose { position, rotation, swollen }) = pose else { continue };
             check_finite(&format!("poses[{index}].position"), *position)?;
+            check_range(&format!("poses[{index}].swollen"), *swollen, 0.0, 1.0, "of its size")?;
             if !rotation.is_finite() || !rotation.is_normalized() {
                 return Err(
                     InvalidInput::new(format_args!("poses[{index}].rotation"), rotation, "a unit quaternion").into()

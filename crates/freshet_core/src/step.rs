@@ -302,7 +302,8 @@ pub struct StepReport {
     /// Impulse of the fluid on each body over the tick, in the plan's order.
     pub bodies: Vec<Impulse>,
     /// Of each body, in the plan's order, the samples that the fluid reaches: those with the centre of a particle within the
-    /// [support radius](crate::plan::Parameters::support_radius), on the CPU in the tick's first substep, on the GPU in its last.
+    /// [support radius](crate::plan::Parameters::support_radius), on the CPU in the tick's first substep, or, while a body
+    /// [swells](crate::swelling), in its last; on the GPU in its last.
     #[serde(default)]
     pub wetted: Vec<u32>,
     /// Cost of each pass, where it was measured.

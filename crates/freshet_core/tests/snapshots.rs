@@ -20,7 +20,7 @@ fn snapshot() -> Snapshot {
         pressures: vec![0.0, 2.5, 1e-3],
         last_substep: 0.004,
         exchanges: vec![[Exchange { tick_plus_one: 300, error }; 4], [Exchange::default(); 4]],
-        poses: vec![None, Some(BodyPose { position: Vec3::NEG_Y, rotation: Quat::from_rotation_x(0.3) })],
+        poses: vec![None, Some(BodyPose { position: Vec3::NEG_Y, rotation: Quat::from_rotation_x(0.3), swollen: 0.5 })],
     }
 }
 
@@ -29,7 +29,7 @@ const BODY: usize = 12;
 
 /// A body with the beginning that belongs to it: what is wrong with it is found by what comes after the checksum.
 fn sealed(body: &[u8]) -> Vec<u8> {
-    [b"FRESHET\x03", &crc32(body).to_le_bytes()[..], body].concat()
+    [b"FRESHET\x04", &crc32(body).to_le_bytes()[..], body].concat()
 }
 
 /// CRC-32 (IEEE 802.3), bit by bit.
@@ -60,7 +60,7 @@ fn another_file_is_no_snapshot() {
         match Snapshot::from_bytes(other) {
             Err(SnapshotError::NotASnapshot { found, expected }) => {
                 assert_eq!(found, &other[..other.len().min(8)]);
-                assert_eq!(expected, b"FRESHET\x03");
+                assert_eq!(expected, b"FRESHET\x04");
             }
             result => panic!("{result:?}"),
         }

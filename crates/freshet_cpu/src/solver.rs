@@ -356,7 +356,8 @@ impl CpuSolver {
     fn tick(&mut self, input: &StepInput) -> StepReport {
         let begin = Instant::now();
         let mut report = StepReport { tick: input.tick, ..StepReport::default() };
-        if std::mem::take(&mut self.fresh) {
+        let is_first = std::mem::take(&mut self.fresh);
+        if is_first {
             let start: Vec<Vec3> = (0..self.particles.len).map(|index| self.particles.position_of(index)).collect();
             for Misplaced { index, inside } in self.plan.started_inside(&start, &input.bodies) {
                 self.particles.life[index as usize] = -1.0;
@@ -395,7 +396,11 @@ impl CpuSolver {
             })
             .collect();
         let parameters = &self.plan.parameters;
-        for ((body, left), given) in self.bodies.iter_mut().zip(&self.poses).zip(&input.bodies) {
+        self.poses.resize(self.plan.bodies.len(), None);
+        let known = self.poses.iter().zip(&self.plan.bodies);
+        for ((body, (left, planned)), given) in self.bodies.iter_mut().zip(known).zip(&input.bodies) {
+            body.swollen =
+                if is_first || planned.at_once { 1.0 } else { body.swollen_since(left.as_ref(), given, parameters) };
             if let Some(left) = left
                 && !given.placed
             {
@@ -491,7 +496,7 @@ impl CpuSolver {
                 PressureSolver::WeaklyCompressible => self.body_load_stage(),
                 PressureSolver::DivergenceFree(_) => self.body_touch_stage(),
             });
-            if tally.substeps == 0 {
+            if tally.substeps == 0 || self.bodies.iter().any(|body| body.swollen < 1.0) {
                 let (grid, starts) = (&self.plan.grid, &self.sorter.starts);
                 let count = || self.body_samples.count_wetted(grid, starts, &self.particles, &mut self.wetted);
                 tally.timed("body_load", count);
@@ -531,6 +536,12 @@ impl CpuSolver {
         tally.timed("body_motion", || {
             for (body, load) in self.bodies.iter_mut().zip(&self.loads) {
                 body.advance(load.force, load.torque, dt);
+            }
+            let planned = self.plan.bodies.iter().zip(&self.wetted);
+            for (body, (planned, &wetted)) in self.bodies.iter_mut().zip(planned) {
+                if body.swollen < 1.0 {
+                    body.swollen = planned.swell(body.swollen, wetted > 0, dt, &self.plan.parameters);
+                }
             }
         });
         tally.timed("integrate", || self.integrate_stage(dt, lead));
@@ -649,7 +660,7 @@ impl FluidSolver for CpuSolver {
         check_room(self.particles.len, plan.max_particles)?;
         let before = plan.bodies_of(&self.plan);
         self.exchanges = carried_over(&self.exchanges, &before);
-        self.poses = carried_over(&self.poses, &before);
+        self.poses = plan.poses_from(&self.plan, &self.poses);
         self.schedule.passes = passes;
         self.plan = plan;
         self.take_plan();

@@ -268,13 +268,15 @@ fn body_records(plan: &Plan) -> (Vec<BodySampleRecord>, Vec<BodyRecord>) {
             first_sample: samples.len() as u32,
             sample_count: body.samples.len() as u32,
             reach: body.reach,
+            swelling_reach: body.swelling_reach,
             ..Default::default()
         });
-        samples.extend(body.samples.iter().zip(&body.volumes).map(|(&offset, &volume)| BodySampleRecord {
+        let weighted = body.samples.iter().zip(&body.volumes).zip(&body.roots);
+        samples.extend(weighted.map(|((&offset, &volume), &root)| BodySampleRecord {
             offset,
             volume,
+            root,
             body: index as u32,
-            ..Default::default()
         }));
     }
     (samples, bodies)

@@ -90,7 +90,7 @@ impl FluidSolver for GpuSolver {
         let mut snapshot = self.take_snapshot()?;
         let before = plan.bodies_of(&self.plan);
         snapshot.exchanges = carried_over(&snapshot.exchanges, &before);
-        snapshot.poses = carried_over(&snapshot.poses, &before);
+        snapshot.poses = plan.poses_from(&self.plan, &snapshot.poses);
         let mut next = Self::with_compiled(&self.device, &self.queue, plan, self.options, Some(&self.compiled))?;
         next.load_snapshot(&snapshot)?;
         next.generation = self.generation + 1;

@@ -115,6 +115,10 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         max_iterations: solver.max_iterations,
         body_reach: p.body_reach(),
         widest_support: p.widest_support,
+        push_out_speed: p.push_out_speed(),
+        push_out_rate: p.push_out_rate(),
+        swelling_way: p.swelling_way(),
+        elsewhere: 0.5 * p.spacing,
         ..Default::default()
     }
 }

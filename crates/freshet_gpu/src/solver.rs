@@ -193,6 +193,7 @@ impl GpuSolver {
         }
         let slot = self.next_slot;
         self.next_slot = (slot + 1) % TICK_SLOTS as u32;
+        let is_first = self.start.is_some();
         let started = self.start.take().map(|start| start.inside(&self.plan, &input.bodies)).unwrap_or_default();
         let left_out = LeftOut { started, spawned: self.plan.spawned_inside(input) };
         let edits = Edits::of(&input.commands, left_out, &mut self.gravity, (self.time, self.known.clock));
@@ -206,7 +207,10 @@ impl GpuSolver {
             ..Default::default()
         };
         self.buffers.write_at(queue, Binding::Input, INPUT_STRIDE * u64::from(slot), &[record]);
-        let given: Vec<BodyInputRecord> = input.bodies.iter().map(BodyInputRecord::from).collect();
+        let known = self.plan.bodies.iter().zip(&input.bodies);
+        let given: Vec<BodyInputRecord> = known
+            .map(|(body, given)| BodyInputRecord { is_whole: u32::from(is_first || body.at_once), ..given.into() })
+            .collect();
         let offset = u64::from(slot * bodies) * size_of::<BodyInputRecord>() as u64;
         self.buffers.write_at(queue, Binding::BodyInputs, offset, &given);
 

@@ -158,7 +158,8 @@ impl GpuSolver {
             body.exchanges = known.map(ExchangeRecord::from);
             let left = snapshot.poses.get(index).copied().flatten();
             body.is_placed = u32::from(left.is_some());
-            if let Some(BodyPose { position, rotation }) = left {
+            if let Some(BodyPose { position, rotation, swollen }) = left {
+                body.swollen = swollen;
                 body.position = position;
                 body.rotation = rotation.to_array();
             }
@@ -169,7 +170,7 @@ impl GpuSolver {
 }
 
 fn pose_of(body: &BodyRecord) -> Option<BodyPose> {
-    let pose = BodyPose { position: body.position, rotation: Quat::from_array(body.rotation) };
+    let pose = BodyPose { position: body.position, rotation: Quat::from_array(body.rotation), swollen: body.swollen };
     (body.is_placed != 0).then_some(pose)
 }
 

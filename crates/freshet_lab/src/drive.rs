@@ -67,7 +67,7 @@ impl Default for Account {
 }
 
 impl Account {
-    fn add(&mut self, report: &StepReport, wall: Duration, compression: f64) {
+    pub(crate) fn add(&mut self, report: &StepReport, wall: Duration, compression: f64) {
         let before = self.simulated;
         self.wall += wall;
         self.simulated += report.simulated;
@@ -90,6 +90,26 @@ impl Account {
         self.worst_compression = self.worst_compression.max(f64::from(report.max_compression));
         self.time_scale = self.time_scale.min(f64::from(report.time_scale));
         self.lost += u64::from(report.removed) + u64::from(report.refused);
+    }
+
+    /// Both together, the one run after the other.
+    #[must_use]
+    pub fn with(&self, other: &Self) -> Self {
+        let simulated = self.simulated + other.simulated;
+        let compressed = self.compression * self.simulated + other.compression * other.simulated;
+        Self {
+            wall: self.wall + other.wall,
+            simulated,
+            substeps: self.substeps + other.substeps,
+            particle_steps: self.particle_steps + other.particle_steps,
+            passes: [self.passes.as_slice(), &other.passes].concat(),
+            smallest_substep: self.smallest_substep.min(other.smallest_substep),
+            compression: if simulated > 0.0 { compressed / simulated } else { 0.0 },
+            worst_mean_compression: self.worst_mean_compression.max(other.worst_mean_compression),
+            worst_compression: self.worst_compression.max(other.worst_compression),
+            time_scale: self.time_scale.min(other.time_scale),
+            lost: self.lost + other.lost,
+        }
     }
 
     /// Wall nanoseconds per particle and substep, everything included.

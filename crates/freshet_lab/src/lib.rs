@@ -4,6 +4,7 @@
 //! [`reference`] holds the measurements, [`scenes`] what is simulated, [`drive`] runs a solver of any [`backend`] and keeps
 //! account, [`measure`] turns particles into numbers, [`verdict`] holds them against their bounds.
 
+pub mod afloat;
 pub mod backend;
 pub mod chart;
 pub mod commands;

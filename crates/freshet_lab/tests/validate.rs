@@ -77,3 +77,13 @@ fn ten_metres_of_water_are_hardly_compressed() -> Result<(), LabError> {
     assert_passes("deep-column", Backend::Gpu)?;
     assert_passes("deep-column-dfsph", Backend::Gpu)
 }
+
+#[test]
+fn bodies_float_as_deep_as_archimedes_says() -> Result<(), LabError> {
+    assert_passes("draft", Backend::Cpu)
+}
+
+#[test]
+fn the_lightest_and_the_heaviest_ball_throw_nothing_about() -> Result<(), LabError> {
+    assert_passes("light-and-heavy", Backend::Cpu)
+}

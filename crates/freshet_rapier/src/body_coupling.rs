@@ -1,9 +1,11 @@
 //! One body's side of forecast-and-correct (ARCHITECTURE, decision 4; derived in the crate's `COUPLING.md`).
 
 use freshet_core::step::{BodyInput, Impulse};
+use glam::{Mat3, Vec3};
 use rapier3d::dynamics::{RigidBodyHandle, RigidBodySet};
 
 use crate::error::CouplingError;
+use crate::hold::Hold;
 use crate::input::{acceleration, body_input, overshoot};
 use crate::kick::{displace, kick};
 use crate::ledger::Ledger;
@@ -41,6 +43,10 @@ pub struct BodyCoupling {
     /// Impulse taken from the body before rapier's step and given back after it, so that the step covers the distance
     /// of a steady acceleration.
     overshoot: Impulse,
+    /// The body at the end of the last tick, and what has pushed it since.
+    hold: Hold,
+    /// Whether contacts and joints held it in its motion in the last step, in lockstep.
+    is_held: bool,
     habit: Habit,
     ledger: Ledger,
 }
@@ -60,6 +66,8 @@ impl BodyCoupling {
             latest: None,
             free: false,
             overshoot: Impulse::default(),
+            hold: Hold::default(),
+            is_held: false,
             habit: Habit::default(),
             ledger: Ledger::default(),
         }
@@ -102,15 +110,18 @@ impl BodyCoupling {
         }
         let forecast = self.forecast(duration);
         self.free = is_free(self.handle, world);
+        self.is_held &= !self.free;
         self.overshoot = if self.free { overshoot(body, world) } else { Impulse::default() };
         self.in_flight.push(Record { tick, duration, forecast });
         self.phase = Phase::Apply(forecast);
-        Ok(BodyInput {
-            acceleration: acceleration(body, world.gravity, forecast, duration),
-            forecast,
-            corrected_before,
-            free: self.free,
-            ..body_input(body, duration)
+        let acceleration = acceleration(body, world.gravity, forecast, duration);
+        self.hold.add_external(acceleration * duration);
+        let input =
+            BodyInput { acceleration, forecast, corrected_before, free: self.free, ..body_input(body, duration) };
+        Ok(match self.is_held {
+            // The fluid meets it in the motion that it has, and rapier finds out whether what holds it still does.
+            true => BodyInput { inverse_mass: 0.0, inverse_inertia: Mat3::ZERO, acceleration: Vec3::ZERO, ..input },
+            false => input,
         })
     }
 
@@ -153,6 +164,7 @@ impl BodyCoupling {
         let error = impulse - record.forecast;
         self.ledger.withdraw(record.forecast);
         kick(body, error, &mut self.ledger);
+        self.hold.add(error);
         if self.free && !body.is_sleeping() {
             // In its own tick an impulse displaces half as far as in a later one.
             let time = since - 0.5 * record.duration;
@@ -173,6 +185,7 @@ impl BodyCoupling {
         let body = bodies.get_mut(self.handle).ok_or(CouplingError::NoSuchBody(self.handle))?;
         let Phase::Apply(impulse) = self.phase else { return self.check_due("apply_forecast", |_| false) };
         let now = if self.free { scaled(impulse, 0.5) - self.overshoot } else { impulse };
+        self.hold.add(impulse);
         kick(body, now, &mut self.ledger);
         self.phase = Phase::Complete(impulse - now);
         Ok(())
@@ -185,7 +198,11 @@ impl BodyCoupling {
     pub fn complete(&mut self, bodies: &mut RigidBodySet) -> Result<(), CouplingError> {
         let body = bodies.get_mut(self.handle).ok_or(CouplingError::NoSuchBody(self.handle))?;
         let Phase::Complete(rest) = self.phase else { return self.check_due("complete", |_| false) };
+        // Of late impulses each answers to a hold that may be gone.
+        let is_in_time = self.in_flight.newest().is_none_or(|record| record.tick != self.tick);
+        self.is_held = is_in_time && !self.free && body.is_dynamic() && self.hold.holds(body);
         kick(body, rest, &mut self.ledger);
+        self.hold = Hold::since(body);
         if let Some(record) = self.in_flight.newest().filter(|record| record.tick == self.tick) {
             self.ledger.advance(record.forecast);
         }

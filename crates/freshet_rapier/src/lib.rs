@@ -15,6 +15,7 @@
 mod body_coupling;
 mod coupling;
 mod error;
+mod hold;
 mod input;
 mod kick;
 mod ledger;

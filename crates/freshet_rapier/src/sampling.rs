@@ -79,7 +79,7 @@ pub fn body_from_rigid_body(
         return Err(SamplingError::NoCollider { name: name.to_owned() });
     }
     let (samples, solids) = exposed(parts, layer);
-    Ok(Body { name: name.to_owned(), samples, solids })
+    Ok(Body { name: name.to_owned(), samples, solids, at_once: false })
 }
 
 /// A shape that is no compound.

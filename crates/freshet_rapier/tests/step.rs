@@ -161,6 +161,35 @@ fn a_stone_rests() {
     }
 }
 
+/// In lockstep a stone that lies on the floor is one that nothing moves, until it is lifted; late, and in the air, it is not.
+#[test]
+fn what_contacts_hold_the_fluid_does_not_move_within_the_tick() {
+    let mut world = world();
+    world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::cuboid(2.0, 0.1, 2.0));
+    let stone = RigidBodyBuilder::dynamic().translation(Vec3::new(0.0, 0.205, 0.0)).can_sleep(false);
+    let (handle, _) = world.insert(stone, ColliderBuilder::cuboid(0.1, 0.1, 0.1).density(2000.0));
+    let weight = world.bodies[handle].mass() * 9.81 * TICK;
+    let is_moved = |world: &PhysicsWorld, coupling: &BodyCoupling, tick: u64| {
+        let input = coupling.clone().begin_tick(tick, &RapierView::from(world)).unwrap();
+        assert_eq!(input.inverse_mass > 0.0, input.acceleration != Vec3::ZERO);
+        input.inverse_mass > 0.0
+    };
+    let mut coupling = BodyCoupling::new(handle, 0);
+    assert!(is_moved(&world, &coupling, 0), "it falls");
+    (0..60).for_each(|tick| lockstep(&mut world, &mut coupling, tick, impulse(Vec3::Y * 0.5 * weight)));
+    assert!(!is_moved(&world, &coupling, 60), "it lies");
+    (60..63).for_each(|tick| lockstep(&mut world, &mut coupling, tick, impulse(Vec3::Y * 1.5 * weight)));
+    assert!(is_moved(&world, &coupling, 63), "it is lifted");
+    (63..120).for_each(|tick| lockstep(&mut world, &mut coupling, tick, impulse(Vec3::Y * 0.5 * weight)));
+    assert!(!is_moved(&world, &coupling, 120), "it lies again");
+    // Of this tick nothing is known yet when rapier steps.
+    coupling.begin_tick(120, &RapierView::from(&world)).unwrap();
+    coupling.apply_forecast(&mut world.bodies).unwrap();
+    world.step();
+    coupling.complete(&mut world.bodies).unwrap();
+    assert!(is_moved(&world, &coupling, 121), "late");
+}
+
 #[test]
 fn locked_axes_hold_and_the_ledger_knows() {
     let mut world = world();

@@ -8,8 +8,9 @@ use super::contact::FluidContact;
 /// Lets the fluid push this rapier body, and the body the fluid.
 ///
 /// It stands beside a `RigidBody` and a `Collider`, whose surface is sampled. Mass and inertia are rapier's. What the fluid does to it
-/// is in [`FluidContact`]. Body type, mass, collider and scale may change at any time, and it may be despawned. What a shape finds
-/// inside when it grows into fluid, it throws off.
+/// is in [`FluidContact`]. Body type, mass, collider and scale may change at any time, and it may be despawned. Where it
+/// comes into fluid from one tick to the next, new, put elsewhere or with a larger shape, it swells to its size and pushes the fluid out gently:
+/// see [`freshet_core::swelling`].
 ///
 /// All of rapier's shapes will do but half-spaces, segments, triangles, polylines and voxels: with one of these, and with one too
 /// small for the spacing, a [`FluidProblem`](super::problem::FluidProblem) says so, and body and fluid pass through each other. Parts of

@@ -7,6 +7,7 @@ pub mod contact;
 pub mod container;
 pub mod domain;
 pub mod emitter;
+pub mod layers;
 pub mod material;
 pub mod membership;
 pub mod problem;

@@ -11,6 +11,7 @@ use freshet_rapier::body_from_rigid_body;
 use super::fitness::Uncoupled;
 use crate::components::body::FluidBody;
 use crate::components::domain::FluidDomain;
+use crate::components::layers::FluidLayers;
 use crate::components::membership::FluidInDomain;
 use crate::components::problem::report;
 use crate::components::settings::{FluidKernel, FluidSettings};
@@ -51,25 +52,32 @@ type Bodies<'w, 's> = Query<
         Option<&'static SampledFrom>,
         Option<&'static BodySamples>,
         Option<&'static Name>,
+        Option<&'static FluidLayers>,
     ),
     (With<FluidBody>, Without<Uncoupled>),
 >;
 
-/// Samples bodies that are new or have changed.
+/// Samples bodies that are new or have changed; those that no fluid touches have none.
 pub(crate) fn sample_bodies(
     mut commands: Commands,
     bodies: Bodies,
     stale: Query<Entity, (With<BodySamples>, Without<FluidBody>)>,
-    domains: Query<&FluidDomain>,
+    domains: Query<(&FluidDomain, Option<&FluidLayers>)>,
     mut rapier: WriteRapierContext,
 ) {
     for entity in &stale {
         commands.entity(entity).try_remove::<(BodySamples, SampledFrom)>();
     }
     let Ok(mut context) = rapier.single_mut() else { return };
-    for (entity, handle, member, sampled_from, samples, name) in &bodies {
+    for (entity, handle, member, sampled_from, samples, name, layers) in &bodies {
         let domain = member.map_or_else(|| domains.single().ok(), |member| domains.get(member.0).ok());
-        let Some(domain) = domain else { continue };
+        let Some((domain, of_fluid)) = domain else { continue };
+        if !layers.copied().unwrap_or_default().touches(of_fluid.copied().unwrap_or_default()) {
+            if sampled_from.is_some() {
+                commands.entity(entity).try_remove::<(BodySamples, SampledFrom)>();
+            }
+            continue;
+        }
         let colliders = &context.colliders.colliders;
         let Some(body) = context.rigidbody_set.bodies.get_mut(handle.0) else { continue };
         if sampled_from == Some(&SampledFrom::new(body, colliders, domain)) {

@@ -79,7 +79,7 @@ impl MoverBodies {
         }
         // Solvers know bodies of successive plans by their names.
         let name = format!("{} of entity {}", mover.component, mover.entity);
-        let body = Body::of_shape(&name, mover.shape.clone(), layer);
+        let body = Body::of_shape(&name, mover.shape.clone(), layer).map(|body| Body { at_once: true, ..body });
         let made = MadeBody { shape: mover.shape.clone(), layer: *layer, body: body.clone() };
         self.0.insert(mover.entity, made);
         body

@@ -14,6 +14,7 @@ use crate::sampling::lattice::{sample_box, sample_sphere};
 use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{Body, Boundary, BoundaryShape, FluidSide, MAX_PARTICLES, Shape, Volume, side_of};
 use crate::solid::Solid;
+use crate::swelling;
 
 /// Samples of all boundaries that do not move.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,6 +46,12 @@ pub struct PlannedBody {
     pub volumes: Vec<f32>,
     /// Where it is solid, relative to the centre of mass.
     pub solids: Vec<Solid>,
+    /// Where each sample [swells](crate::swelling) from, relative to the centre of mass, m.
+    pub roots: Vec<Vec3>,
+    /// The largest distance of a sample from there, m, at least a spacing.
+    pub swelling_reach: f32,
+    /// Whether it is wholly there at once, wherever it comes.
+    pub at_once: bool,
 }
 
 /// Particles of all volumes with their velocities, and for each volume its first id and its number of particles.
@@ -228,11 +235,15 @@ pub(super) fn plan_body(
     check_width(&body.samples, periodic, support_radius)?;
     let volumes = layer.volumes(&body.samples);
     let reach = body.samples.iter().map(|sample| sample.length()).fold(0.0, f32::max);
+    let (roots, swelling_reach) = swelling::roots(&body.samples, &body.solids, layer.spacing());
     Ok(PlannedBody {
         name: body.name.clone(),
         samples: body.samples.clone(),
         reach,
         volumes,
         solids: body.solids.clone(),
+        roots,
+        swelling_reach,
+        at_once: body.at_once,
     })
 }

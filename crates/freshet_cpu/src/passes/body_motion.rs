@@ -37,6 +37,8 @@ pub struct MovingBody {
     pub drift: Vec3,
     /// The same for its orientation, rad/s, world axes.
     pub turn: Vec3,
+    /// How far it has [swollen](freshet_core::swelling), 0 to 1.
+    pub swollen: f32,
     /// What the fluid gave in this tick so far.
     pub impulse: Impulse,
 }
@@ -55,6 +57,7 @@ impl MovingBody {
             acceleration: input.acceleration,
             drift: Vec3::ZERO,
             turn: Vec3::ZERO,
+            swollen: 1.0,
             impulse: Impulse::default(),
         };
         for exchange in exchanges {
@@ -75,6 +78,20 @@ impl MovingBody {
         body
     }
 
+    /// How far it has swollen where it begins, if the last tick left it at `left`: not at all where it is new, or elsewhere.
+    pub fn swollen_since(&self, left: Option<&BodyPose>, given: &BodyInput, parameters: &Parameters) -> f32 {
+        let Some(left) = left else { return 0.0 };
+        let (way, angle) = (self.position.distance(left.position), self.turn_from(left).length());
+        let jumps = given.placed || way > parameters.body_reach();
+        if jumps && parameters.is_put_elsewhere(way, angle, self.reach) { 0.0 } else { left.swollen }
+    }
+
+    /// The turn that takes it from its orientation there to its own, the shorter way round: axis times angle, rad.
+    fn turn_from(&self, left: &BodyPose) -> Vec3 {
+        let turned = (self.rotation * left.rotation.conjugate()).normalize();
+        if turned.w < 0.0 { -turned } else { turned }.to_scaled_axis()
+    }
+
     /// Lets the body start from `left`, where the last tick left it, and drift to its place within `duration` seconds, no
     /// faster than the flow is expected to be. From beyond [`Parameters::body_reach`] it jumps.
     ///
@@ -86,11 +103,8 @@ impl MovingBody {
         if duration <= 0.0 || away.length() > reach {
             return;
         }
-        let turned = (self.rotation * left.rotation.conjugate()).normalize();
-        // The shorter way round.
-        let turned = if turned.w < 0.0 { -turned } else { turned };
         self.drift = (away / duration).clamp_length_max(limit);
-        self.turn = (turned.to_scaled_axis() / duration).clamp_length_max(limit / reach);
+        self.turn = (self.turn_from(left) / duration).clamp_length_max(limit / reach);
         self.position = left.position;
         self.rotation = left.rotation;
     }
@@ -117,7 +131,7 @@ impl MovingBody {
 
     /// Where it is.
     pub fn pose(&self) -> BodyPose {
-        BodyPose { position: self.position, rotation: self.rotation }
+        BodyPose { position: self.position, rotation: self.rotation, swollen: self.swollen }
     }
 
     /// Moves by `force` (N) and `torque` (N m) over `dt` seconds, velocities first.

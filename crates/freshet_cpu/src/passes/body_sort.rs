@@ -25,15 +25,17 @@ pub struct BodySamples {
 }
 
 impl BodySamples {
-    /// `x_body + R s` for every sample, then a counting sort on the fluid's grid.
+    /// `x_body + R s` for every sample, as far as its body has [swollen](freshet_core::swelling), then a counting sort on the fluid's grid.
     pub fn update(&mut self, grid: &Grid, plan: &[PlannedBody], bodies: &[MovingBody]) {
         self.positions.clear();
         self.volumes.clear();
         self.firsts.clear();
         for (planned, body) in plan.iter().zip(bodies) {
             self.firsts.push(self.positions.len());
-            self.positions.extend(planned.samples.iter().map(|&sample| body.position + body.rotation * sample));
-            self.volumes.extend(&planned.volumes);
+            let sample = |index| body.position + body.rotation * planned.sample(index, body.swollen);
+            self.positions.extend((0..planned.samples.len()).map(sample));
+            let weight = PlannedBody::weight(body.swollen);
+            self.volumes.extend(planned.volumes.iter().map(|volume| weight * volume));
         }
         self.sorted.sort(grid, &self.positions, &self.volumes);
     }

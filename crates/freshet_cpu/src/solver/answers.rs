@@ -128,14 +128,22 @@ impl Answers {
         self.touches.iter().map(|touch| bodies[touch.body as usize].speed()).fold(0.0, f32::max)
     }
 
-    /// The mean of `|R|` where it counts over those that touch a body which answers; the largest of the bodies.
+    /// The particles that touch a body that swells, once each.
+    pub fn pushed_out<'a>(&'a self, bodies: &'a [MovingBody]) -> impl Iterator<Item = usize> + 'a {
+        let swells = |touch: &&Touch| bodies[touch.body as usize].swollen < 1.0;
+        let mut last = None;
+        let particles = self.touches.iter().filter(swells).map(|touch| touch.particle as usize);
+        particles.filter(move |&particle| last.replace(particle) != Some(particle))
+    }
+
+    /// The mean of `|R|` where it counts over those that touch a body which answers or swells; the largest of the bodies.
     pub fn left(&mut self, bodies: &[MovingBody], left: &[f32], change: &[f32], pressure: &[f32]) -> f32 {
         self.sums.clear();
         self.sums.resize(bodies.len(), [DVec3::ZERO; 2]);
         for touch in &self.touches {
             let (at, body) = (touch.particle as usize, touch.body as usize);
             let is_free = change[at] <= -pressure[at] && left[at] < 0.0;
-            if bodies[body].inverse_mass > 0.0 {
+            if bodies[body].inverse_mass > 0.0 || bodies[body].swollen < 1.0 {
                 let wrong = if is_free { 0.0 } else { left[at].abs().min(1.0) };
                 self.sums[body][0] += DVec3::new(wrong.into(), 1.0, 0.0);
             }

@@ -95,6 +95,10 @@ impl CpuSolver {
         for (source, density) in solve.source[..live].iter_mut().zip(&self.density) {
             *source = DivergenceFree::source(density / rest_density - 1.0, share);
         }
+        for at in solve.bodies.pushed_out(&self.bodies) {
+            let excess = self.density[at] / rest_density - 1.0;
+            solve.source[at] += self.plan.parameters.pushed_out(excess, share, dt);
+        }
         let velocities = self.particles.velocity.iter().zip(&self.acceleration);
         for (motion, (velocity, acceleration)) in solve.motion.iter_mut().zip(velocities) {
             for ((motion, v), a) in motion[..live].iter_mut().zip(velocity).zip(acceleration) {
@@ -140,6 +144,10 @@ impl CpuSolver {
         let live = self.particles.len;
         let (share, rest_density) = (DivergenceFree::share(way), self.plan.parameters.rest_density);
         let relaxation = self.iteration.relaxation(self.plan.parameters.relaxation) / (dt * dt);
+        for at in solve.bodies.pushed_out(&self.bodies) {
+            let excess = self.density[at] / rest_density - 1.0;
+            solve.left[at] -= self.plan.parameters.pushed_out(excess, share, dt);
+        }
         let mut sum = 0;
         for i in 0..live {
             let excess = (self.density[i] / rest_density - 1.0).max(0.0);

@@ -338,12 +338,16 @@ fn body_reach(i: u32) -> f32 { return bodies[i].reach; }
 fn body_is_placed(i: u32) -> bool { return bodies[i].is_placed != 0u; }
 fn body_drift(i: u32) -> vec3<f32> { return bodies[i].drift; }
 fn body_turn(i: u32) -> vec3<f32> { return bodies[i].turn; }
+fn body_swollen(i: u32) -> f32 { return bodies[i].swollen; }
+fn body_swelling_reach(i: u32) -> f32 { return bodies[i].swelling_reach; }
+fn body_wetted(i: u32) -> u32 { return bodies[i].wetted; }
 fn body_exchange(i: u32, slot: u32) -> ExchangeRecord { return bodies[i].exchanges[slot]; }
 "
             }
             Binding::BodyInputs => "fn body_input(i: u32) -> BodyInputRecord { return body_inputs[i]; }\n",
             Binding::BodySamples => {
                 "fn sample_offset(k: u32) -> vec3<f32> { return body_samples[k].offset; }
+fn sample_root(k: u32) -> vec3<f32> { return body_samples[k].root; }
 fn sample_volume(k: u32) -> f32 { return body_samples[k].volume; }
 fn body_of_sample(k: u32) -> u32 { return body_samples[k].body; }
 "
@@ -471,6 +475,7 @@ fn set_body_pose(i: u32, x: vec3<f32>, q: vec4<f32>) { bodies[i].position = x; b
 fn set_body_velocity(i: u32, v: vec3<f32>, w: vec3<f32>) { bodies[i].linear_velocity = v; bodies[i].angular_velocity = w; }
 fn set_body_drift(i: u32, v: vec3<f32>, w: vec3<f32>) { bodies[i].drift = v; bodies[i].turn = w; }
 fn set_body_load(i: u32, f: vec3<f32>, t: vec3<f32>) { bodies[i].force = f; bodies[i].torque = t; }
+fn set_body_swollen(i: u32, share: f32) { bodies[i].swollen = share; }
 fn set_body_wetted(i: u32, count: u32) { bodies[i].wetted = count; }
 fn set_body_exchange(i: u32, slot: u32, tick_plus_one: vec2<u32>, linear: vec3<f32>, angular: vec3<f32>) {
     bodies[i].exchanges[slot].linear = linear;

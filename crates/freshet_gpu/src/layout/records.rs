@@ -143,6 +143,14 @@ wgsl_struct! {
         xsph_scale: f32,
         /// Of a product of sizes of touches, what bodies that answer add to `K`.
         stiffness_scale: f32,
+        /// How fast samples of a body that swells go outwards, m/s.
+        push_out_speed: f32,
+        /// Up to which rate velocities correct a density beside it, 1/s.
+        push_out_rate: f32,
+        /// How far they go in a substep in which they reach no particle, m.
+        swelling_way: f32,
+        /// From this far on a body that jumps is elsewhere, m.
+        elsewhere: f32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.
@@ -307,12 +315,10 @@ wgsl_struct! {
         offset: Vec3,
         /// Weight, m3.
         volume: f32,
+        /// Where it swells from, likewise.
+        root: Vec3,
         /// Whose it is.
         body: u32,
-        /// Unused.
-        pad_a: u32,
-        /// Unused.
-        pad_b: [u32; 2],
     }
 
     /// What the fluid does to a sample.
@@ -361,8 +367,8 @@ wgsl_struct! {
         is_put: u32,
         /// First column of the inverse inertia, 1/(kg m2).
         inertia_x: Vec3,
-        /// Unused.
-        pad_a: u32,
+        /// Whether it is wholly there at once.
+        is_whole: u32,
         /// Second column.
         inertia_y: Vec3,
         /// Unused.
@@ -419,12 +425,12 @@ wgsl_struct! {
         wetted: u32,
         /// From everything but the fluid, m/s2.
         acceleration: Vec3,
-        /// Unused.
-        pad_d: u32,
+        /// How far it has swollen, 0 to 1.
+        swollen: f32,
         /// Of the fluid in this substep, N.
         force: Vec3,
-        /// Unused.
-        pad_e: u32,
+        /// The largest distance of a sample from where it swells from, m.
+        swelling_reach: f32,
         /// Of the fluid in this substep, N m.
         torque: Vec3,
         /// Unused.

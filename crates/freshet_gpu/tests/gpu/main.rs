@@ -16,3 +16,4 @@ mod reconfigure;
 mod reference;
 mod rest;
 mod sorting;
+mod swelling;

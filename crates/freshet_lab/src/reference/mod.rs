@@ -1,7 +1,9 @@
 //! Measured and exact references, one file a paper.
 
+pub mod archimedes;
 pub mod couette;
 pub mod dam_break;
+pub mod hulme_1982;
 pub mod hydrostatics;
 pub mod krog_2010;
 pub mod lobovsky_2014;

@@ -52,7 +52,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 16] = [
+pub const CASES: [&Case; 21] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -64,6 +64,11 @@ pub const CASES: [&Case; 16] = [
     &cases::deep_column::CASE,
     &cases::deep_column::DIVERGENCE_FREE,
     &cases::calm::CASE,
+    &cases::draft::CASE,
+    &cases::light_and_heavy::CASE,
+    &cases::added_mass::CASE,
+    &cases::gate::CASE,
+    &cases::heave::CASE,
     &cases::commands::COLUMN,
     &cases::commands::FLOAT,
     &cases::commands::DAM_BREAK,

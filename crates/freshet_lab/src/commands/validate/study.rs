@@ -56,7 +56,7 @@ pub struct Study {
     /// Resolutions, the coarsest first.
     pub resolutions: [u32; 3],
     /// Those of the quick form.
-    pub quick: [u32; 2],
+    pub quick: &'static [u32],
     /// Names of the chart's axes.
     pub axes: [&'static str; 2],
     /// Simulates one resolution.
@@ -83,7 +83,7 @@ impl Level {
 impl Study {
     /// Simulates all resolutions, writing the files anew after each.
     pub fn run(&self, job: &Job) -> Result<Findings, LabError> {
-        let resolutions = if job.quick { &self.quick[..] } else { &self.resolutions[..] };
+        let resolutions = if job.quick { self.quick } else { &self.resolutions[..] };
         let is_software = job.backend == Backend::Gpu && job.backend.is_processor()?;
         let resolutions = if is_software { &resolutions[..1] } else { resolutions };
         let work = |resolution: u32| f64::from(resolution).powi(3);
@@ -306,7 +306,7 @@ mod tests {
             coarse_bound: Some(0.05),
             smooth: true,
             resolutions: [10, 20, 40],
-            quick: [5, 10],
+            quick: &[5, 10],
             axes: ["x", "y"],
             simulate: |_, resolution, _| Ok(level(resolution, 0.4 / f64::from(resolution))),
         }

@@ -33,7 +33,7 @@ const CALM: Study = Study {
     coarse_bound: Some(3e-3),
     smooth: true,
     resolutions: [10, 20, 40],
-    quick: [10, 20],
+    quick: &[10, 20],
     axes: ["time (s)", "mean speed / sqrt(g D)"],
     simulate,
 };

@@ -20,7 +20,7 @@ const STUDY: Study = Study {
     coarse_bound: Some(0.05),
     smooth: true,
     resolutions: [10, 20, 40],
-    quick: [8, 16],
+    quick: &[8, 16],
     axes: ["y / L", "velocity / velocity of the plate"],
     simulate: |job, resolution, progress| channel::simulate(job, Drive::Plate, resolution, velocity, progress),
 };

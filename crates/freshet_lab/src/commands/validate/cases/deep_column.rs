@@ -39,7 +39,7 @@ const WEAKLY_COMPRESSIBLE: Study = Study {
     coarse_bound: Some(0.01),
     smooth: false,
     resolutions: [25, 50, 100],
-    quick: [25, 50],
+    quick: &[25, 50],
     axes: ["depth / D", "pressure / (rho g D)"],
     simulate: |job, resolution, progress| simulate(job, Method::WeaklyCompressible, resolution, progress),
 };

@@ -27,7 +27,7 @@ const STUDY: Study = Study {
     coarse_bound: None,
     smooth: false,
     resolutions: [6, 10, 16],
-    quick: [6, 10],
+    quick: &[6, 10],
     axes: ["time (s)", "height of the centre of mass (m)"],
     simulate,
 };

@@ -38,7 +38,7 @@ const WEAKLY_COMPRESSIBLE: Study = Study {
     coarse_bound: Some(0.03),
     smooth: true,
     resolutions: [8, 12, 20],
-    quick: [8, 12],
+    quick: &[8, 12],
     axes: ["depth / D", "pressure / (rho g D)"],
     simulate: |job, resolution, progress| simulate(job, Method::WeaklyCompressible, resolution, progress),
 };

@@ -27,7 +27,7 @@ const STUDY: Study = Study {
     coarse_bound: None,
     smooth: false,
     resolutions: [8, 12, 16],
-    quick: [6, 8],
+    quick: &[6, 8],
     axes: ["distance / d", "pairs / pairs of the same density at random"],
     simulate,
 };

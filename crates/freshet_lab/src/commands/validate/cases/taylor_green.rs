@@ -27,7 +27,7 @@ const STUDY: Study = Study {
     coarse_bound: Some(0.1),
     smooth: true,
     resolutions: [16, 32, 64],
-    quick: [16, 24],
+    quick: &[16, 24],
     axes: ["t U / L", "ln(root mean square velocity / that at the start)"],
     simulate,
 };

@@ -1,0 +1,209 @@
+//! Rapier bodies in a tank of water, tick by tick, with reports as late as asked for.
+
+use std::collections::VecDeque;
+use std::time::Instant;
+
+use freshet_core::field::Field;
+use freshet_core::plan::Plan;
+use freshet_core::run::SceneRun;
+use freshet_core::scene::{Boundary, FluidScene, Volume};
+use freshet_core::solver::{FluidSolver, SolverError};
+use freshet_core::step::{Impulse, StepReport};
+use freshet_rapier::{Coupling, RapierView, body_from_rigid_body};
+use glam::Vec3;
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodyType};
+use rapier3d::geometry::ColliderBuilder;
+use rapier3d::pipeline::PhysicsWorld;
+
+use crate::commands::validate::Job;
+use crate::drive::Account;
+use crate::error::LabError;
+use crate::measure::column::surface_level;
+use crate::method::Method;
+use crate::scenes::GRAVITY;
+
+/// Duration of a tick, s.
+pub const TICK: f64 = 1.0 / 60.0;
+/// Diameter of the bodies, D, m.
+pub const DIAMETER: f32 = 0.3;
+
+/// An open tank around the origin, its floor at y = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tank {
+    /// Along x and z, m.
+    pub floor: [f32; 2],
+    /// Of the water, m.
+    pub depth: f32,
+    /// Of its particles, m.
+    pub spacing: f32,
+}
+
+impl Tank {
+    /// Four diameters wide and three deep, with so many particles to a diameter.
+    pub fn for_bodies(resolution: u32) -> Self {
+        Self { floor: [4.0 * DIAMETER; 2], depth: 3.0 * DIAMETER, spacing: DIAMETER / resolution as f32 }
+    }
+
+    fn height(&self) -> f32 {
+        self.depth + 2.0 * DIAMETER
+    }
+
+    /// Of the floor, m2.
+    pub fn area(&self) -> f64 {
+        f64::from(self.floor[0]) * f64::from(self.floor[1])
+    }
+
+    /// Water in it, by DFSPH with the default settings.
+    pub fn scene(&self, name: &str) -> FluidScene {
+        let [x, z] = self.floor;
+        Method::DivergenceFree.on(FluidScene {
+            name: name.to_owned(),
+            volumes: vec![Volume::block(Vec3::new(x, self.depth, z) / 2.0, Vec3::Y * self.depth / 2.0)],
+            boundaries: vec![Boundary::open_box(Vec3::new(x, self.height(), z), Vec3::Y * self.height() / 2.0)],
+            ..FluidScene::with_spacing(self.spacing)
+        })
+    }
+
+    /// Rapier's world with floor and sides, a quarter of a metre thick.
+    pub fn world(&self) -> PhysicsWorld {
+        let mut world = PhysicsWorld::new();
+        world.gravity = Vec3::new(0.0, -GRAVITY as f32, 0.0);
+        world.integration_parameters.dt = TICK as f32;
+        let ([x, z], thick) = (self.floor.map(|edge| edge / 2.0), 0.125);
+        let mut wall = |half_extents: Vec3, center: Vec3| {
+            let collider = ColliderBuilder::cuboid(half_extents.x, half_extents.y, half_extents.z).translation(center);
+            world.insert_collider(collider, None);
+        };
+        wall(Vec3::new(x, thick, z), Vec3::Y * -thick);
+        let (half, middle) = (self.height() / 2.0, Vec3::Y * self.height() / 2.0);
+        for side in [-1.0, 1.0] {
+            wall(Vec3::new(thick, half, z), middle + Vec3::X * side * (x + thick));
+            wall(Vec3::new(x, half, thick), middle + Vec3::Z * side * (z + thick));
+        }
+        world
+    }
+}
+
+/// A solver and a world, coupled.
+pub struct Afloat {
+    solver: Box<dyn FluidSolver>,
+    /// Rapier's.
+    pub world: PhysicsWorld,
+    bodies: Vec<RigidBodyHandle>,
+    coupling: Coupling,
+    clock: SceneRun,
+    late: VecDeque<StepReport>,
+    latency: u64,
+    ticks: u64,
+    account: Account,
+}
+
+impl Afloat {
+    /// A scene with these bodies of a world in it. Rapier hears of impulses `latency` ticks late, 0 to 3; 0 is lockstep.
+    pub fn open(
+        job: &Job,
+        mut scene: FluidScene,
+        world: PhysicsWorld,
+        bodies: &[RigidBodyHandle],
+        latency: u64,
+    ) -> Result<Self, LabError> {
+        let layer = scene.wall_layer()?;
+        for (index, &handle) in bodies.iter().enumerate() {
+            let body = body_from_rigid_body(&format!("body {index}"), &world.bodies[handle], &world.colliders, &layer);
+            scene.bodies.push(body.map_err(refused)?);
+        }
+        let solver = job.backend.open(Plan::new(&scene)?, job.threads.count())?;
+        Ok(Self {
+            solver,
+            world,
+            bodies: bodies.to_vec(),
+            coupling: Coupling::new(bodies.iter().copied(), 0),
+            clock: SceneRun::new(),
+            late: VecDeque::new(),
+            latency,
+            ticks: 0,
+            account: Account::default(),
+        })
+    }
+
+    /// A tick of both. Returns what the fluid gave to each body, in their order.
+    pub fn tick(&mut self) -> Result<Vec<Impulse>, LabError> {
+        let (start, tick) = (Instant::now(), self.ticks);
+        self.ticks += 1;
+        self.receive(tick)?;
+        let bodies = self.coupling.begin_tick(tick, &RapierView::from(&self.world)).map_err(refused)?;
+        let report = self.solver.step(&self.clock.next(self.solver.plan(), TICK as f32, bodies))?;
+        self.clock.hear(&report);
+        let (given, spent, compression) = (report.bodies.clone(), start.elapsed(), report.mean_compression);
+        self.account.add(&report, spent, compression.into());
+        self.late.push_back(report);
+        self.receive(tick)?;
+        self.coupling.apply_forecast(&mut self.world.bodies).map_err(refused)?;
+        self.world.step();
+        self.coupling.complete(&mut self.world.bodies).map_err(refused)?;
+        Ok(given)
+    }
+
+    /// Hands over the reports that are old enough.
+    fn receive(&mut self, tick: u64) -> Result<(), LabError> {
+        let latency = self.latency;
+        while let Some(report) = self.late.pop_front_if(|report| report.tick + latency <= tick) {
+            self.coupling.receive(&report, &mut self.world.bodies).map_err(refused)?;
+        }
+        Ok(())
+    }
+
+    /// A body, as rapier has it.
+    pub fn body(&self, index: usize) -> &RigidBody {
+        &self.world.bodies[self.bodies[index]]
+    }
+
+    /// Lets go of a body that was fixed.
+    pub fn release(&mut self, index: usize) {
+        let PhysicsWorld { bodies, colliders, .. } = &mut self.world;
+        let body = &mut bodies[self.bodies[index]];
+        body.set_body_type(RigidBodyType::Dynamic, true);
+        // Rapier does this in its next step; the coupling asks before that.
+        body.recompute_mass_properties_from_colliders(colliders);
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.account.simulated
+    }
+
+    /// What it cost so far.
+    pub fn account(&self) -> &Account {
+        &self.account
+    }
+
+    /// A scalar field of all particles.
+    pub fn scalars(&mut self, field: Field) -> Result<Vec<f32>, LabError> {
+        self.solver.read(field)?.scalars().ok_or_else(|| SolverError::NoSuchField(field.name()).into())
+    }
+
+    /// Particles there are.
+    pub fn particles(&mut self) -> Result<usize, LabError> {
+        Ok(self.positions()?.len())
+    }
+
+    /// Where they are, m.
+    pub fn positions(&mut self) -> Result<Vec<Vec3>, LabError> {
+        let field = Field::Position;
+        self.solver.read(field)?.vectors().ok_or_else(|| SolverError::NoSuchField(field.name()).into())
+    }
+
+    /// Level of the water in a tank farther from the axis than `clear` m.
+    pub fn open_surface(&mut self, tank: &Tank, clear: f32) -> Result<f64, LabError> {
+        let positions = self.positions()?;
+        let away: Vec<Vec3> = positions.into_iter().filter(|position| position.with_y(0.0).length() >= clear).collect();
+        let area = tank.area() - std::f64::consts::PI * f64::from(clear * clear);
+        let per_layer = (area / f64::from(tank.spacing).powi(2)).round() as usize;
+        let missing = || LabError::Measure { what: "the surface level", reason: "particles are missing".to_owned() };
+        surface_level(&away, per_layer, tank.spacing).ok_or_else(missing)
+    }
+}
+
+fn refused(error: impl std::fmt::Display) -> LabError {
+    LabError::Measure { what: "the bodies", reason: error.to_string() }
+}
