@@ -24,7 +24,7 @@ pub fn run(arguments: &Arguments, levels: Vec<Level>) -> Result<(), String> {
     }
     // Pictures apart, nothing is to be drawn; but without Bevy's renderer there is no GPU to simulate on.
     let draws = adapter.is_ok() && (arguments.picture.is_some() || arguments.backend != FluidBackend::Cpu);
-    let method = Method { particles: arguments.particles, backend: arguments.backend, mode: FluidMode::Lockstep };
+    let method = Method { particles: arguments.particles, backend: arguments.backend };
     let mut app = App::new();
     headless::furnish(&mut app, draws);
     game::furnish(&mut app, levels, arguments.level - 1, method);

@@ -18,7 +18,7 @@ use crate::site::{self, Method};
 /// Opens the window; returns when it is closed, with what has gone wrong until then.
 pub fn run(mut app: App, arguments: &Arguments, levels: Vec<Level>) -> Result<(), String> {
     window::furnish(&mut app, "Freshet: sluice");
-    let method = Method { particles: arguments.particles, backend: arguments.backend, mode: FluidMode::Pipelined };
+    let method = Method { particles: arguments.particles, backend: arguments.backend };
     game::furnish(&mut app, levels, arguments.level - 1, method);
     app.init_resource::<Wish>()
         .add_systems(Startup, (build, set_up))

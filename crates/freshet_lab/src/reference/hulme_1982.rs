@@ -1,4 +1,4 @@
-//! A half-submerged sphere that heaves in an endless sea: Hulme 1982, J. Fluid Mech. 121, 443, table 1.
+//! A half-submerged sphere that heaves in an endless sea: Hulme 1982, J. Fluid Mech. 121, 443, table 1; second-hand, not compared with the paper.
 
 /// `K a` (with `K = omega^2 / g` and the radius `a`), and the added mass over `2/3 pi rho a^3`.
 const ADDED_MASS: [(f64, f64); 12] = [

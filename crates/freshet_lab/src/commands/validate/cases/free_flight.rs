@@ -1,4 +1,5 @@
-//! A block of water thrown through empty space, once turning and once not: what must stay as it is.
+//! A block of water thrown through empty space, as it is, turning, and turning while it is squeezed, so that pressures act: what must stay as it
+//! is.
 
 use freshet_core::field::Field;
 use freshet_core::plan::Plan;
@@ -15,7 +16,7 @@ use crate::verdict::{Bound, Check};
 /// The case.
 pub const CASE: Case = Case {
     name: "free-flight",
-    about: "a thrown block: path against the parabola, momentum, extent; the same turning: angular momentum",
+    about: "a thrown block: path against the parabola, momentum, extent; the same turning, and turning under pressure: angular momentum",
     run: |job| STUDY.run(job),
 };
 
@@ -38,6 +39,8 @@ const EDGE: f32 = 0.5;
 const THROW: Vec3 = Vec3::new(2.0, 4.0, -1.0);
 /// Spin of the turning block, rad/s, about no axis of its lattice. Nothing holds the water together, so it comes apart.
 const SPIN: Vec3 = Vec3::new(0.5, 1.0, 0.3);
+/// How fast the squeezed block comes together, 1/s: what is half a metre from the middle with 1 m/s.
+const SQUEEZE: f32 = 2.0;
 /// Time of flight, s.
 const END: f64 = 1.0;
 /// Duration of a tick, s.
@@ -52,14 +55,19 @@ fn scene(resolution: u32) -> FluidScene {
 }
 
 fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level, LabError> {
-    let straight = fly(job, resolution, Vec3::ZERO, progress)?;
-    let turning = fly(job, resolution, SPIN, progress)?;
+    let straight = fly(job, resolution, Vec3::ZERO, 0.0, progress)?;
+    let turning = fly(job, resolution, SPIN, 0.0, progress)?;
+    let squeezed = fly(job, resolution, SPIN, SQUEEZE, progress)?;
     let extent = straight.extents.1 / straight.extents.0 - DVec3::ONE;
     let check = |name: &str, value: f64, most: f64| Check::new(name, value * 100.0, "%", Bound::AtMost(most * 100.0));
     let checks = vec![
         check("change of the extent", extent.abs().max_element(), 0.01),
         check("error of the momentum, turning", turning.momentum, 1e-5),
         check("error of the angular momentum, turning", turning.angular_momentum, 1e-3),
+        check("error of the momentum, turning and squeezed", squeezed.momentum, 1e-5),
+        check("error of the angular momentum, turning and squeezed", squeezed.angular_momentum, 1e-3),
+        // Else nothing pressed, and nothing was tested.
+        Check::new("growth of the extent, turning and squeezed", squeezed.growth(), "", Bound::AtLeast(1.2)),
     ];
     let traces = vec![Trace { name: "height".to_owned(), points: straight.heights }];
     let particles = (resolution as usize).pow(3);
@@ -86,10 +94,17 @@ struct Flight {
     account: crate::drive::Account,
 }
 
-fn fly(job: &Job, resolution: u32, spin: Vec3, progress: &mut Progress) -> Result<Flight, LabError> {
+impl Flight {
+    /// Mean size at the end over that at the start.
+    fn growth(&self) -> f64 {
+        (self.extents.1 / self.extents.0).element_sum() / 3.0
+    }
+}
+
+fn fly(job: &Job, resolution: u32, spin: Vec3, squeeze: f32, progress: &mut Progress) -> Result<Flight, LabError> {
     let plan = Plan::new(&scene(resolution))?;
     let mut drive = Drive::open(job.backend, plan, job.threads.count(), Vec::new())?;
-    drive.set_velocities(|position| THROW + spin.cross(position))?;
+    drive.set_velocities(|position| THROW + spin.cross(position) - squeeze * position)?;
     let start = State::of(&mut drive)?;
     let mut flight = Flight {
         heights: vec![(0.0, start.centre.y, start.centre.y)],
