@@ -3,7 +3,6 @@
 use bevy::prelude::*;
 use bevy_egui::EguiPrimaryContextPass;
 use bevy_egui::input::{egui_wants_any_keyboard_input, egui_wants_any_pointer_input};
-use bevy_freshet::prelude::*;
 use bevy_rapier3d::prelude::PhysicsSet;
 use freshet_examples::camera::{Orbit, steer};
 use freshet_examples::{daylight, window};

@@ -2,6 +2,7 @@
 
 use bevy::core_pipeline::Core3d;
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel};
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::render::renderer::RenderGraph;
 use bevy::render::{ExtractSchedule, Render, RenderApp};
@@ -10,10 +11,18 @@ use crate::harness::{ALL, Tank, TestApp};
 
 /// Ambiguities of a schedule that has run, as pairs of systems with what both touch.
 fn ambiguities(world: &World, label: impl ScheduleLabel) -> Vec<String> {
-    let schedules = world.resource::<Schedules>();
-    let graph = schedules.get(label).expect("the schedule has run").graph();
-    let pairs = graph.conflicting_systems().to_string(graph, world.components());
-    pairs.map(|(a, b, what)| format!("{a} and {b}: {what:?}")).collect()
+    let schedule = world.resource::<Schedules>().get(label).expect("the schedule has run");
+    // Systems of a schedule that has run are no longer in its graph, which therefore cannot name them.
+    let names: HashMap<_, _> =
+        schedule.systems().expect("it has run").map(|(key, system)| (key, system.name())).collect();
+    let name = |key| names.get(&key).map_or_else(|| "a sync point".to_owned(), |name| name.to_string());
+    let pairs = schedule.graph().conflicting_systems().iter();
+    pairs
+        .map(|(a, b, what)| {
+            let what: Vec<_> = what.iter().filter_map(|id| world.components().get_name(*id)).collect();
+            format!("{} and {}: {what:?}", name(*a), name(*b))
+        })
+        .collect()
 }
 
 #[test]

@@ -34,7 +34,9 @@ pub(crate) fn add_to(render_app: &mut SubApp, shader: Handle<Shader>) {
                 textures::prepare_textures
                     .in_set(RenderSystems::PrepareResources)
                     .after(super::buffers::prepare_buffers),
-                pipelines::prepare_bind_groups.in_set(RenderSystems::PrepareBindGroups),
+                pipelines::prepare_bind_groups
+                    .in_set(RenderSystems::PrepareBindGroups)
+                    .after(super::buffers::prepare_fluid_bind_groups),
             ),
         )
         .add_systems(
