@@ -50,6 +50,8 @@ impl Answers {
         self.factor = parameters.particle_mass * gradient / parameters.gradient_calibration;
         self.touches.clear();
         self.found[..count].iter().for_each(|found| self.touches.extend(found));
+        // A cell's are found body by body: a particle between two bodies would stand apart from itself.
+        self.touches.sort_unstable_by_key(|touch| (touch.particle, touch.body));
     }
 
     /// Bytes allocated.
@@ -186,5 +188,29 @@ impl Answers {
         for (touch, &plain) in self.touches.iter().zip(&self.plain).rev() {
             inverse_diagonal[touch.particle as usize] = plain;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use freshet_core::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn a_particle_between_two_bodies_that_swell_is_pushed_out_once() -> Result<(), SceneError> {
+        let plan = Plan::new(&FluidScene {
+            volumes: vec![Volume::block(Vec3::splat(0.1), Vec3::ZERO)],
+            ..FluidScene::with_spacing(0.05)
+        })?;
+        let touch = |particle, body| Touch { particle, body, push: Vec3::X, turn: Vec3::ZERO };
+        let found = vec![vec![touch(3, 0), touch(4, 0), touch(3, 1), touch(4, 1)], vec![touch(7, 1)]];
+        let mut answers = Answers { found, ..Answers::default() };
+        answers.take_found(2, &plan.parameters);
+        let bodies = [MovingBody { swollen: 0.5, ..MovingBody::default() }; 2];
+        assert_eq!(answers.pushed_out(&bodies).collect::<Vec<_>>(), [3, 4, 7]);
+        let whole = bodies.map(|body| MovingBody { swollen: 1.0, ..body });
+        assert_eq!(answers.pushed_out(&whole).count(), 0);
+        Ok(())
     }
 }
