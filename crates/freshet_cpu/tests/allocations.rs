@@ -72,7 +72,7 @@ fn substeps_allocate_nothing() {
     let tank = FluidScene {
         volumes: vec![Volume::block(Vec3::new(0.5, 0.25, 0.25), Vec3::new(0.5, 0.25, 0.25))],
         boundaries: vec![Boundary::open_box(Vec3::new(1.0, 1.0, 0.5), Vec3::new(0.5, 0.5, 0.25))],
-        ..FluidScene::with_spacing(0.04)
+        ..FluidScene::with_spacing(1.0 / 32.0)
     };
     let samples = tank.wall_layer().unwrap().sphere_surface(0.1).unwrap();
     let body = Body { name: "ball".to_owned(), samples, ..Body::default() };
