@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use bevy_freshet::prelude::FluidBackend;
+use bevy_freshet::prelude::{FluidBackend, FluidStyle};
 use clap::Parser;
 use freshet_examples::arguments::{backend, count, seconds};
+
+use crate::stage::SURFACE;
 
 /// Fewest particles of the tank, about.
 pub const MIN_PARTICLES: u32 = 100;
@@ -24,6 +26,10 @@ pub struct Arguments {
     /// What simulates: auto, gpu or cpu. auto is the GPU where there is a hardware adapter.
     #[arg(long, default_value = "auto", value_parser = backend)]
     pub backend: FluidBackend,
+    /// How the water is drawn: as one surface that refracts and tints what is behind it, or as spheres coloured by a field, for a look at
+    /// particles; surface or spheres. In the window the key V switches.
+    #[arg(long, default_value = "surface", value_parser = style)]
+    pub style: FluidStyle,
     /// Writes pictures instead of opening a window. So it does without a display, too.
     #[arg(long)]
     pub headless: bool,
@@ -47,6 +53,14 @@ impl Arguments {
 
 fn particles(text: &str) -> Result<u32, String> {
     count(text, MIN_PARTICLES, MAX_PARTICLES)
+}
+
+fn style(text: &str) -> Result<FluidStyle, String> {
+    match text {
+        "surface" => Ok(SURFACE),
+        "spheres" => Ok(FluidStyle::Spheres),
+        _ => Err("allowed: surface, spheres".to_owned()),
+    }
 }
 
 fn pictures(text: &str) -> Result<u32, String> {

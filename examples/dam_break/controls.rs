@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use bevy_freshet::prelude::*;
 use freshet_examples::trouble::Trouble;
 
-use crate::stage::{OnStage, Stage, build};
+use crate::stage::{OnStage, SURFACE, Stage, build};
 
 /// What each key does, for the help.
 pub const KEYS: [(&str, &str); 8] = [
@@ -75,7 +75,7 @@ pub fn keys_of_looks(
         stage.coloring = FluidColoring { field, gradient, range: None };
     }
     if keys.just_pressed(KeyCode::KeyV) {
-        stage.style = if stage.style == FluidStyle::Spheres { FluidStyle::water() } else { FluidStyle::Spheres };
+        stage.style = if stage.style == FluidStyle::Spheres { SURFACE } else { FluidStyle::Spheres };
     }
     for mut appearance in &mut fluids {
         appearance.set_if_neq(stage.appearance());

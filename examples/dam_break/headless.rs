@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments, setup: Setup) -> Result<(), String> {
         backend: arguments.backend,
         mode: FluidMode::Lockstep,
         coloring: FluidColoring::default(),
-        style: FluidStyle::default(),
+        style: arguments.style,
     };
     let mut app = App::new();
     furnish(&mut app, true);

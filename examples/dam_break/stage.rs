@@ -7,6 +7,9 @@ use freshet_examples::tank;
 
 use crate::scene::Setup;
 
+/// The surface: before a plain background, water as clear as in a pool has hardly an outline.
+pub const SURFACE: FluidStyle = FluidStyle::Surface { clarity: 0.15, smoothing: 3.0 };
+
 /// What is despawned when the scene starts again.
 #[derive(Component)]
 pub struct OnStage;

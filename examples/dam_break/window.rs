@@ -20,7 +20,7 @@ pub fn run(mut app: App, arguments: &Arguments, setup: Setup) -> Result<(), Stri
         backend: arguments.backend,
         mode: FluidMode::Pipelined,
         coloring: FluidColoring::default(),
-        style: FluidStyle::default(),
+        style: arguments.style,
     };
     window::furnish(&mut app, "Freshet: dam break");
     app.insert_resource(stage)

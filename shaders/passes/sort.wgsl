@@ -11,14 +11,17 @@ fn is_retired(i: u32) -> bool {
     return fields::remaining_life(i) <= 0.0;
 }
 
-fn is_lost(i: u32) -> bool {
+fn is_finite(i: u32) -> bool {
+    return threads::all_finite(fields::position(i)) && threads::all_finite(fields::velocity(i));
+}
+
+fn is_inside(i: u32) -> bool {
     let position = fields::position(i);
-    let inside = all(position >= fields::parameters.bounds_min) && all(position <= fields::parameters.bounds_max);
-    return !threads::all_finite(position) || !threads::all_finite(fields::velocity(i)) || !inside;
+    return all(position >= fields::parameters.bounds_min) && all(position <= fields::parameters.bounds_max);
 }
 
 fn sorting_cell(i: u32) -> u32 {
-    if (is_retired(i) || is_lost(i)) {
+    if (is_retired(i) || !is_finite(i) || !is_inside(i)) {
         return fields::parameters.cells;
     }
     return grid::cell_index(grid::cell_of(fields::position(i)));
@@ -38,6 +41,9 @@ fn sort_count(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
             atomicAdd(&fields::control.retired, 1u);
         } else {
             atomicAdd(&fields::control.removed, 1u);
+            if (!is_finite(i)) {
+                atomicAdd(&fields::control.not_finite, 1u);
+            }
         }
     }
 }

@@ -23,6 +23,7 @@ fn begin_tick() {
     fields::control.mean_compression = 0.0;
     fields::control.refused = 0u;
     atomicStore(&fields::control.removed, 0u);
+    atomicStore(&fields::control.not_finite, 0u);
     atomicStore(&fields::control.retired, 0u);
     atomicStore(&fields::control.max_ratio, 0u);
     atomicStore(&fields::control.max_speed, 0u);

@@ -45,6 +45,7 @@ fn a_bad_argument_is_one_line_and_exit_code_2() {
     is_refused(&["--particles", "-5"], "-5");
     is_refused(&["--seconds", "NaN"], "allowed: 0.01 to 600");
     is_refused(&["--backend", "tpu"], "allowed: auto, gpu, cpu");
+    is_refused(&["--style", "mist"], "allowed: surface, spheres");
     is_refused(&["--fast"], "--fast");
     is_refused(&["--scene", "no/such/file.ron"], "no/such/file.ron");
 }
@@ -70,7 +71,7 @@ fn help_lists_the_options() {
     let output = dam_break(&["--help"]);
     let said = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(0));
-    for option in ["--particles", "--seconds", "--backend", "--headless", "--out", "--scene <FILE.ron>"] {
+    for option in ["--particles", "--seconds", "--backend", "--style", "--headless", "--out", "--scene <FILE.ron>"] {
         assert!(said.contains(option), "{option}: {said}");
     }
 }

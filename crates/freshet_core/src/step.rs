@@ -285,6 +285,10 @@ pub struct StepReport {
     pub redone: u32,
     /// Particles removed in this tick because they left the bounds or were not finite.
     pub removed: u32,
+    /// Those of the [`removed`](Self::removed) of which a coordinate or a component of the velocity was infinite or not a number,
+    /// wherever they were. The others have left the bounds.
+    #[serde(default)]
+    pub not_finite: u32,
     /// Particles retired in this tick because their lifetime was over or a command said so.
     pub retired: u32,
     /// Particles not spawned in this tick because the capacity was reached.

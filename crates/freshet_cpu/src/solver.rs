@@ -35,6 +35,7 @@ use crate::passes::sort::{Dropped, Sorter};
 use crate::passes::step_control;
 use crate::samples::SortedSamples;
 use crate::schedule;
+use crate::tasks::Total;
 use crate::workers::Workers;
 use crate::workspace::Workspace;
 
@@ -455,6 +456,7 @@ impl CpuSolver {
         report.unsolved = tally.unsolved;
         report.redone = tally.redone;
         report.removed = tally.dropped.removed;
+        report.not_finite = tally.dropped.not_finite;
         // Those misplaced fell out with the others, at the first sort.
         report.retired = tally.dropped.retired.saturating_sub(report.inside_solids + report.beside_solids);
         report.bodies = self.bodies.iter().map(|body| body.impulse).collect();
@@ -480,8 +482,7 @@ impl CpuSolver {
     /// Densities, accelerations and loads of the state as it is.
     fn find(&mut self, tally: &mut Tally) -> Found {
         let gone = tally.timed("sort", || self.sort());
-        tally.dropped.retired += gone.retired;
-        tally.dropped.removed += gone.removed;
+        tally.dropped = tally.dropped.and(gone);
         if self.plan.has(StageKind::BodySort) {
             tally.timed("body_sort", || self.body_samples.update(&self.plan.grid, &self.plan.bodies, &self.bodies));
         }

@@ -60,6 +60,7 @@ impl Arrival {
             // It refuses plans that ask for it.
             redone: 0,
             removed: control.removed.0,
+            not_finite: control.not_finite.0,
             retired: control.retired.0,
             refused: control.refused,
             // Only the CPU knows of those.

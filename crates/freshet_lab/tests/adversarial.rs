@@ -234,6 +234,38 @@ fn two_in_the_same_place_in_a_block() {
     }
 }
 
+/// What breaks down and what flies out are both removed, and told apart. Inputs that are not finite are refused, so that they come about as in a
+/// running solver: a place that overflows on the way from where it was, and speeds whose squares and differences do.
+#[test]
+fn what_is_not_finite_is_told_from_what_flies_out() {
+    for backend in BOTH {
+        for method in Method::ALL {
+            let mut scene = method.on(dam(1.0, 0.1));
+            scene.settings.max_particles = Some(200);
+            let plan = Plan::new(&scene).unwrap();
+            let high = plan.parameters.bounds_max - 0.5;
+            let mut solver = backend.open(plan, None).unwrap();
+            let start = solver.read(Field::Id).unwrap().len() as u32;
+            let aside = Vec3::new(0.9, 0.5, 0.25);
+            let spawn = |positions: Vec<Vec3>, velocities: Vec<Vec3>, at| {
+                Command::Spawn(NewParticles { positions, velocities, lifetime: f32::INFINITY, at })
+            };
+            let step = |solver: &mut Box<dyn FluidSolver>, tick, command| {
+                let input = StepInput { tick, duration: 0.05, commands: vec![command], ..StepInput::default() };
+                let report = solver.step(&input).unwrap();
+                assert_eq!(report.particles, start, "{} on {backend}, tick {tick}: {report:?}", method.name());
+                (report.removed, report.not_finite)
+            };
+            let flies = spawn(vec![high], vec![Vec3::Y * 20.0], None);
+            assert_eq!(step(&mut solver, 0, flies), (1, 0), "{} on {backend}", method.name());
+            let overflows = spawn(vec![aside], vec![Vec3::Y * 3e38], Some(-10.0));
+            assert_eq!(step(&mut solver, 1, overflows), (1, 1), "{} on {backend}", method.name());
+            let meet = spawn(vec![aside, aside + 0.05 * Vec3::X], vec![Vec3::splat(3e38), Vec3::splat(-3e38)], None);
+            assert_eq!(step(&mut solver, 2, meet), (2, 2), "{} on {backend}", method.name());
+        }
+    }
+}
+
 /// A tick's commands are carried out before its sort makes room, so of 5,000 spawned in a tick those beyond the pool's room are
 /// refused and counted; nothing else may come of it.
 #[test]

@@ -44,6 +44,9 @@ pub struct FluidStats {
     pub redone: u64,
     /// Particles removed so far because they left the bounds or were not finite.
     pub removed: u64,
+    /// Those of the [`removed`](Self::removed) so far that were not finite: the simulation broke down around them. The others
+    /// have left the bounds.
+    pub not_finite: u64,
     /// Particles so far that went through a wall, each once; none unless [`FluidDomain::count_leaks`](super::domain::FluidDomain::count_leaks) is
     /// set. What counts stands at [`leaks`](freshet_core::leaks). Ticks that fall behind are left out where walls move.
     pub leaks: Option<u64>,

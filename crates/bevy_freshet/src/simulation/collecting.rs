@@ -95,6 +95,7 @@ fn take_report(
     stats.unsolved += u64::from(report.unsolved);
     stats.redone += u64::from(report.redone);
     stats.removed += u64::from(report.removed);
+    stats.not_finite += u64::from(report.not_finite);
     stats.retired += u64::from(report.retired);
     stats.refused += u64::from(report.refused);
     stats.inside_solids += u64::from(report.inside_solids);

@@ -32,11 +32,17 @@ pub struct Dropped {
     pub retired: u32,
     /// They were not finite or out of bounds.
     pub removed: u32,
+    /// Those of the removed that were not finite.
+    pub not_finite: u32,
 }
 
 impl Total for Dropped {
     fn and(self, other: Self) -> Self {
-        Self { retired: self.retired + other.retired, removed: self.removed + other.removed }
+        Self {
+            retired: self.retired + other.retired,
+            removed: self.removed + other.removed,
+            not_finite: self.not_finite + other.not_finite,
+        }
     }
 }
 
@@ -64,17 +70,18 @@ impl KeyRule {
         }
     }
 
-    /// The key of a particle: its cell, or for one that falls out the one after all cells; then whether it is retired and
-    /// whether it is removed. Without branches, so that the compiler makes lanes of a loop over it.
+    /// The key of a particle: its cell, or for one that falls out the one after all cells; and what it falls out as.
+    /// Without branches, so that the compiler makes lanes of a loop over it.
     #[inline(always)]
-    fn key<const PERIODIC: bool>(&self, position: [f32; 3], velocity: [f32; 3], life: f32) -> (u32, bool, bool) {
+    fn key<const PERIODIC: bool>(&self, position: [f32; 3], velocity: [f32; 3], life: f32) -> (u32, Dropped) {
         let [min, max] = self.bounds;
         let is_retired = life <= 0.0;
-        // Comparisons with NaN are false: what is not finite is not inside.
-        let mut is_fine = (velocity[0] + velocity[1] + velocity[2]).abs() < f32::INFINITY;
+        let (mut is_finite, mut is_inside) = (true, true);
         let mut key = 0;
         for axis in 0..3 {
-            is_fine &= (position[axis] >= min[axis]) & (position[axis] <= max[axis]);
+            // Comparisons with NaN are false.
+            is_finite &= (position[axis].abs() < f32::INFINITY) & (velocity[axis].abs() < f32::INFINITY);
+            is_inside &= (position[axis] >= min[axis]) & (position[axis] <= max[axis]);
             let along = position[axis] * self.inverse_edges[axis];
             let cell = if PERIODIC && self.repeats[axis] {
                 // What rounding puts beyond the last cell of a period is in it.
@@ -85,8 +92,14 @@ impl KeyRule {
             };
             key |= cell << self.shift[axis];
         }
+        let is_fine = is_finite & is_inside;
         let key = if is_retired | !is_fine { self.trash } else { key };
-        (key, is_retired, !is_retired & !is_fine)
+        let dropped = Dropped {
+            retired: u32::from(is_retired),
+            removed: u32::from(!is_retired & !is_fine),
+            not_finite: u32::from(!is_retired & !is_finite),
+        };
+        (key, dropped)
     }
 }
 
@@ -110,10 +123,9 @@ impl<const PERIODIC: bool> WithSimd for Keys<'_, PERIODIC> {
         let (x, y, z, u, v, w, life) = (&x[..len], &y[..len], &z[..len], &u[..len], &v[..len], &w[..len], &life[..len]);
         let mut dropped = Dropped::default();
         for i in 0..len {
-            let (key, retired, removed) = rule.key::<PERIODIC>([x[i], y[i], z[i]], [u[i], v[i], w[i]], life[i]);
+            let (key, falls) = rule.key::<PERIODIC>([x[i], y[i], z[i]], [u[i], v[i], w[i]], life[i]);
             keys[i] = key;
-            dropped.retired += u32::from(retired);
-            dropped.removed += u32::from(removed);
+            dropped = dropped.and(falls);
         }
         dropped
     }
@@ -352,12 +364,17 @@ mod tests {
         particles.position[1][7] = f32::NAN;
         particles.velocity[2][8] = f32::INFINITY;
         particles.position[0][99] = 1e9;
-        let gone = [3, 40, 7, 8, 99].map(|i: usize| particles.id[i]);
+        // One that is both retired and not finite is retired.
+        particles.life[50] = 0.0;
+        particles.position[2][50] = f32::NEG_INFINITY;
+        // The sum of its components is more than a number can be; each of them is finite.
+        particles.velocity.iter_mut().for_each(|component| component[60] = 3e38);
+        let gone = [3, 40, 50, 7, 8, 99].map(|i: usize| particles.id[i]);
         let bounds = [Vec3::splat(-100.0), Vec3::splat(100.0)];
         let (sorter, scratch) = (&mut Sorter::default(), &mut Particles::default());
         let dropped = sorter.sort(&workers, Arch::new(), &grid, bounds, &mut particles, scratch);
-        assert_eq!(dropped, Dropped { retired: 2, removed: 3 });
-        assert_eq!(particles.len, 95);
+        assert_eq!(dropped, Dropped { retired: 3, removed: 3, not_finite: 2 });
+        assert_eq!(particles.len, 94);
         assert!(particles.id.iter().all(|id| !gone.contains(id)));
     }
 }

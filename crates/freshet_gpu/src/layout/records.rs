@@ -235,8 +235,10 @@ wgsl_struct! {
         left_high: Atomic,
         /// How far ahead of the end of the substep the velocities are that particles move with, s.
         lead: f32,
+        /// Those of the removed that were not finite.
+        not_finite: Atomic,
         /// Unused.
-        pad_b: [u32; 2],
+        pad_b: u32,
     }
 
     /// What a tick is told.

@@ -66,7 +66,7 @@ fn what_is_not_finite_or_out_of_bounds_is_removed_and_counted() {
         at: None,
     });
     let report = solver.step(&tick_with(0, 1.0 / 60.0, vec![flung])).unwrap();
-    assert_eq!((report.removed, report.particles), (3, 1000), "{report:?}");
+    assert_eq!((report.removed, report.not_finite, report.particles), (3, 2, 1000), "{report:?}");
     let after = solver.snapshot().unwrap();
     assert!(after.positions.iter().chain(&after.velocities).all(|vector| vector.is_finite()));
     assert!(after.ids.iter().copied().eq(0..1000));
@@ -75,5 +75,5 @@ fn what_is_not_finite_or_out_of_bounds_is_removed_and_counted() {
     let buffers = solver.buffers().unwrap();
     device().queue.write_buffer(buffers.particles, 32 * 500, bytemuck::bytes_of(&[f32::NAN; 3]));
     let report = solver.step(&tick(1, 1.0 / 60.0)).unwrap();
-    assert_eq!((report.removed, report.particles), (1, 999), "{report:?}");
+    assert_eq!((report.removed, report.not_finite, report.particles), (1, 1, 999), "{report:?}");
 }

@@ -41,8 +41,9 @@ use crate::verdict::Verdict;
 /// fit into --budget any more is left out and named.
 ///
 /// Arithmetic and bytes per particle-step are counted from the schedule, for the neighbours of water at rest, without walls and
-/// without candidates that turn out to be too far away. They are given as fractions of what this machine was measured to do on
-/// as many threads: multiply-adds, and copies that no cache holds. Not for a GPU that is no program on the processor.
+/// without candidates that turn out to be too far away. That is too few for a fluid that is compressed, as Krog's is; the table
+/// says by how much. They are given as fractions of what this machine was measured to do on as many threads: multiply-adds, and
+/// copies that no cache holds. Not for a GPU that is no program on the processor.
 ///
 /// Bounds: every run keeps time (time scale 1) and loses no particle; in the full form also the aims, on the median: in the tank
 /// with 64,000 particles at most 150 ns per particle-step on two threads, at least 1.8 times as fast as one, the GPU solver at

@@ -84,7 +84,8 @@ Freshet's speed: `cargo run --release -p freshet_lab -- bench`; a row a run. Tim
 particles: asked for; scene_particles: what the scene has of them. substeps: how many were timed, over simulated_s.
 ns_per_particle_step: wall_s over substeps and particles; opening_ns: the same over the first 0.1 s or less. Sizes ran one after
 the other, minutes apart: what a step costs over sizes is in bench_flat.csv.
-flop_per_particle_step, bytes_per_particle_step: counted from the schedule, with the neighbours of water at rest.
+flop_per_particle_step, bytes_per_particle_step: counted from the schedule, with the neighbours of water at rest: too few where
+mean_compression_percent is large, as in Krog's soft fluid, by about as many percent.
 of_multiply_adds, of_copies: these per second, as fractions of what the machine was measured to do on as many threads;
 empty for a GPU that is no program on the processor. bytes_per_particle: memory, with the grid; bytes: of all buffers.
 PASS_ns: per particle-step, empty where a solver has no such pass.";

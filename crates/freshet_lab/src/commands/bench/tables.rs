@@ -114,7 +114,7 @@ fn work(results: &Results) -> Table {
         "B/(p step)",
         "GB/s",
         "% of copies",
-        "on",
+        "remarks",
     ]);
     for configuration in &results.configurations() {
         let Some(run) = results.runs.iter().find(|run| run.configuration == *configuration) else { continue };
@@ -127,10 +127,22 @@ fn work(results: &Results) -> Table {
             shown(run.moved_bytes, 0),
             shown(run.moved_bytes / time, 2),
             shown(results.median(configuration, |run| results.of_copies(run)) * 100.0, 1),
-            if run.hardware.is_processor { String::new() } else { format!("{}: not compared", run.hardware.name) },
+            remarks(results, configuration, run),
         ]);
     }
     table
+}
+
+/// Mean compression from which on a particle has so many more neighbours than in water at rest that counts of work should say so.
+const COMPRESSED: f64 = 0.02;
+
+/// What has to be known to read the counts of work.
+fn remarks(results: &Results, configuration: &Configuration, run: &Run) -> String {
+    let compression = results.median(configuration, |run| run.account.compression);
+    let card = (!run.hardware.is_processor).then(|| format!("{}: not compared", run.hardware.name));
+    let counted = (compression > COMPRESSED)
+        .then(|| format!("counted as at rest, but compressed by {:.0} %: more neighbours", compression * 100.0));
+    [card, counted].into_iter().flatten().collect::<Vec<_>>().join("; ")
 }
 
 fn flow(results: &Results) -> Table {
@@ -246,6 +258,17 @@ mod tests {
         on_card.configuration = Configuration { backend: Backend::Gpu, threads: None, ..on_card.configuration };
         on_card.hardware = Hardware { name: "a card".to_owned(), is_processor: false };
         assert!(work(&results(&[on_card])).to_string().contains("a card: not compared"));
+    }
+
+    #[test]
+    fn work_of_a_fluid_that_is_compressed_says_so() {
+        let soft = |compression| {
+            let mut run = in_scene(BenchScene::Krog, run(2, 65_536, 200));
+            run.account.compression = compression;
+            work(&results(&[run])).to_string()
+        };
+        assert!(soft(0.274).contains("counted as at rest, but compressed by 27 %: more neighbours"), "{}", soft(0.274));
+        assert!(!soft(0.01).contains("at rest"), "{}", soft(0.01));
     }
 
     #[test]

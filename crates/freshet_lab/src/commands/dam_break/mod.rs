@@ -42,7 +42,8 @@ pub struct DamBreakArgs {
     /// Threads of the CPU solver.
     #[command(flatten)]
     pub threads: ThreadOption,
-    /// Particles along the column's width, coarse to fine. A GPU driver in software runs the coarsest only [default: 12,20,32; quick: 12,20].
+    /// Particles along the column's width, coarse to fine. A GPU driver in software runs the coarsest only [default: 12,20,32; quick:
+    /// 12,20, weakly compressible, which takes more steps, 12].
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(4..=200))]
     pub resolutions: Vec<u32>,
     /// How pressure is found. Files of another method than the default have its name; the GPU is left out where it cannot.
@@ -64,6 +65,7 @@ impl DamBreakArgs {
     fn resolutions(&self) -> Vec<u32> {
         let mut resolutions = match (self.resolutions.is_empty(), self.common.quick) {
             (false, _) => self.resolutions.clone(),
+            (true, true) if self.method == Method::WeaklyCompressible => vec![12],
             (true, true) => vec![12, 20],
             (true, false) => vec![12, 20, 32],
         };

@@ -226,9 +226,9 @@ impl std::fmt::Display for Configuration {
 /// How a run failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// A number that is not finite.
+    /// A number that is not finite, of a particle that the solver removed for it or of a report.
     NotFinite,
-    /// A particle lost: it went through a wall, or a number of it was not finite and the solver removed it.
+    /// A particle lost: it went through a wall.
     Lost,
     /// Kinetic energy and energy of height above 1.05 of the start.
     Energy,
@@ -308,7 +308,7 @@ pub fn survives(configuration: &Configuration, number: f64) -> Result<Option<Fai
 }
 
 fn failure(report: &StepReport, particles: usize) -> Option<Failure> {
-    if !report.max_speed.is_finite() || !report.mean_compression.is_finite() {
+    if report.not_finite > 0 || !report.max_speed.is_finite() || !report.mean_compression.is_finite() {
         Some(Failure::NotFinite)
     } else if report.removed > 0 || report.particles as usize != particles {
         Some(Failure::Lost)
@@ -326,4 +326,18 @@ fn energy(gravity: f64, positions: &[Vec3], velocities: &[Vec3]) -> f64 {
         .zip(velocities)
         .map(|(position, velocity)| 0.5 * velocity.as_dvec3().length_squared() + gravity * f64::from(position.y))
         .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_finite_is_told_from_what_is_lost() {
+        let report = StepReport { particles: 98, removed: 2, ..StepReport::default() };
+        assert_eq!(failure(&report, 100), Some(Failure::Lost));
+        assert_eq!(failure(&StepReport { not_finite: 1, ..report.clone() }, 100), Some(Failure::NotFinite));
+        assert_eq!(failure(&StepReport { max_speed: f32::NAN, ..report.clone() }, 100), Some(Failure::NotFinite));
+        assert_eq!(failure(&StepReport { removed: 0, ..report }, 98), None);
+    }
 }

@@ -32,8 +32,8 @@ const STUDY: Study = Study {
     simulate,
 };
 
-/// Density over the water's.
-const RATIOS: [f64; 3] = [0.2, 0.5, 0.8];
+/// Density over the water's, and the quick form's: `float` has the ball of half of it.
+const RATIOS: [&[f64]; 2] = [&[0.2, 0.5, 0.8], &[0.2, 0.8]];
 /// Time to simulate, s, and the quick form's.
 const END: [f64; 2] = [8.0, 2.0];
 /// Ticks until rapier hears of an impulse.
@@ -68,7 +68,9 @@ const FLOATERS: [Floater; 2] = [
 fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level, LabError> {
     let (mut error, mut traces, mut checks, mut remarks) = (0.0f64, Vec::new(), Vec::new(), Vec::new());
     let (mut account, mut particles) = (Account::default(), 0);
-    let runs: Vec<(&Floater, f64)> = FLOATERS.iter().flat_map(|floater| RATIOS.map(|ratio| (floater, ratio))).collect();
+    let ratios = RATIOS[usize::from(job.quick)];
+    let runs: Vec<(&Floater, f64)> =
+        FLOATERS.iter().flat_map(|floater| ratios.iter().map(move |&ratio| (floater, ratio))).collect();
     for (index, &(floater, ratio)) in runs.iter().enumerate() {
         let mut part = |fraction: f64| progress.at((index as f64 + fraction) / runs.len() as f64);
         let run = float(job, resolution, floater, ratio, &mut part)?;

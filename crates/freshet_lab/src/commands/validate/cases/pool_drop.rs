@@ -30,7 +30,7 @@ const STUDY: Study = Study {
     coarse_bound: None,
     smooth: false,
     resolutions: [16, 20, 24],
-    quick: &[14, 16],
+    quick: &[14],
     axes: ["time (s)", "twice the height of the centre of mass (m)"],
     simulate,
 };
