@@ -373,7 +373,8 @@ fn a_tank_that_goes_out_of_the_bounds_is_named_before_its_water_is_lost() {
         // Once only, and the water is lost.
         test.tick(16);
         test.expect_no_complaints();
-        assert!(test.settle(domain).removed > 0, "{choice:?}");
+        let end = test.settle(domain);
+        assert!(end.removed > 0 && end.not_finite == 0, "{choice:?}: {end:?}");
     }
 }
 

@@ -80,7 +80,7 @@ const SECTIONS: [Section; 11] = [
     Section {
         stem: "stability",
         head: "Stability",
-        about: "The longest step that holds, by kernel, number of neighbours, speed of sound and equation of state.",
+        about: "The longest step that holds, by kernel, number of neighbours, speed of sound and solver option, and what a longer one fails by.",
     },
 ];
 
