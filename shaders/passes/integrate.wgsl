@@ -37,7 +37,8 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
 #ifdef INCOMPRESSIBLE
     // What the density solve found changes positions only.
     if (fields::control.correction > 0.0) {
-        position += fields::motion(a) * fields::control.correction;
+        let way = fields::motion(a) * fields::control.correction;
+        position += way * min(1.0, fields::parameters.longest_correction / max(length(way), 1e-30));
     }
 #endif
 #ifdef PERIODIC

@@ -234,14 +234,18 @@ fn sums_of(own: Own, a: u32) -> Sums {
 }
 #endif
 
-#ifdef BODIES
 #ifndef PROJECT
 #ifndef PRESSURE_CHANGE
+// What velocities correct of a density too large: DivergenceFree::by_velocity.
+fn by_velocity(excess: f32) -> f32 {
+    return fields::control.share * clamp(excess, 0.0, fields::parameters.by_velocity_rate * fields::control.substep);
+}
+
+#ifdef BODIES
 // What velocities correct of it beside a body that swells, beyond that: freshet_core::swelling.
 fn pushed_out(a: u32, excess: f32) -> f32 {
-    let too_dense = max(excess, 0.0);
-    let most = min(too_dense, fields::parameters.push_out_rate * fields::control.substep);
-    let more = max(most - fields::control.share * too_dense, 0.0);
+    let most = min(max(excess, 0.0), fields::parameters.push_out_rate * fields::control.substep);
+    let more = max(most - by_velocity(excess), 0.0);
     return select(0.0, more, (fields::touch(a) & touch::SWELLS) != 0u);
 }
 #endif
@@ -254,7 +258,7 @@ fn source_of(excess: f32) -> f32 {
     let lack = fields::parameters.lack;
     let share = fields::control.share;
     let filling = max(share, fields::parameters.filling);
-    return min(excess + lack, 0.0) + filling * clamp(excess, -lack, 0.0) + share * max(excess, 0.0);
+    return min(excess + lack, 0.0) + filling * clamp(excess, -lack, 0.0) + by_velocity(excess);
 }
 
 @compute @workgroup_size(#{WORKGROUP_SIZE})
@@ -346,7 +350,7 @@ fn density_begin(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
         fields::set_density(a, density, pressure);
         if (solving) {
             let excess = max(density * fields::parameters.inverse_rest_density - 1.0, 0.0);
-            var too_much = fields::left(a) + (1.0 - fields::control.share) * excess;
+            var too_much = fields::left(a) + excess - by_velocity(excess);
 #ifdef BODIES
             too_much -= pushed_out(a, excess);
 #endif

@@ -100,6 +100,13 @@ impl DivergenceFree {
     /// Lack of density of water that is only a little uneven; what lacks more is on a surface or flies. No unit.
     pub const LACK: f32 = 0.01;
 
+    /// Up to which rate velocities correct a density too large, over the expected speed and spacing:
+    /// [`most_by_velocity`](crate::plan::Parameters::most_by_velocity). A fifth in a substep of a flow as fast as expected, at a Courant factor of 0.4.
+    pub const RATE_BY_VELOCITY: f32 = 0.5;
+    /// Farthest that positions are corrected in a substep, spacings. The corrections of all layers of a fluid that is too dense add up, and are right as long as
+    /// they are small.
+    pub const LONGEST_CORRECTION: f32 = 0.02;
+
     /// Share of a density too large that velocities correct: the square of the way of the fastest particle, over the longest that
     /// a substep allows. A flow at that limit has kinetic energy of its own beside which that of corrections is nothing.
     pub fn share(way: f32) -> f32 {
@@ -112,10 +119,18 @@ impl DivergenceFree {
         0.5 * (1.0 - Self::share(way)) * last.min(dt)
     }
 
-    /// `s` of the divergence solve from `e = rho / rho0 - 1`, for a [share](Self::share).
-    pub fn source(excess: f32, share: f32) -> f32 {
+    /// `s` of the divergence solve from `e = rho / rho0 - 1`, for a [share](Self::share) and what velocities correct [at most](Self::by_velocity).
+    pub fn source(excess: f32, share: f32, most: f32) -> f32 {
         let filling = share.max(Self::FILLING);
-        (excess + Self::LACK).min(0.0) + filling * excess.clamp(-Self::LACK, 0.0) + share * excess.max(0.0)
+        (excess + Self::LACK).min(0.0)
+            + filling * excess.clamp(-Self::LACK, 0.0)
+            + Self::by_velocity(excess, share, most)
+    }
+
+    /// What velocities correct in a substep of a density too large, no unit: a [share](Self::share) of it or of
+    /// [`most`](crate::plan::Parameters::most_by_velocity), if that is less. Positions correct the rest.
+    pub fn by_velocity(excess: f32, share: f32, most: f32) -> f32 {
+        share * excess.clamp(0.0, most)
     }
 
     pub(crate) fn validate(&self) -> Result<(), InvalidInput> {
@@ -283,12 +298,13 @@ mod tests {
     fn sources_are_continuous_and_only_a_fast_flow_corrects_by_velocity() {
         for share in [0.0, 0.3, 1.0] {
             for edge in [-DivergenceFree::LACK, 0.0] {
-                let [below, above] = [-1e-6, 1e-6].map(|step| DivergenceFree::source(edge + step, share));
+                let [below, above] = [-1e-6, 1e-6].map(|step| DivergenceFree::source(edge + step, share, 0.1));
                 assert!((above - below).abs() < 4e-6, "at {edge}");
             }
-            assert!((DivergenceFree::source(0.02, share) - 0.02 * share).abs() < 1e-7);
+            assert!((DivergenceFree::source(0.02, share, 0.1) - 0.02 * share).abs() < 1e-7);
         }
-        assert!((DivergenceFree::source(-0.5, 1.0) + 0.5).abs() < 1e-6);
-        assert!(DivergenceFree::source(-0.5, 0.0) < -0.48);
+        assert!((DivergenceFree::source(-0.5, 1.0, 0.1) + 0.5).abs() < 1e-6);
+        assert!(DivergenceFree::source(-0.5, 0.0, 0.1) < -0.48);
+        assert_eq!(DivergenceFree::source(3.0, 0.5, 0.1), 0.05);
     }
 }

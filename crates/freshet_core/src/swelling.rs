@@ -20,6 +20,7 @@
 use glam::Vec3;
 
 use crate::plan::{Parameters, Plan, PlannedBody};
+use crate::pressure_solver::DivergenceFree;
 use crate::snapshot::{BodyPose, carried_over};
 use crate::solid::{Solid, SolidShape};
 
@@ -44,8 +45,8 @@ impl Parameters {
     /// What of a relative density too large velocities correct beside a body that swells, beyond the [share](crate::pressure_solver::DivergenceFree::share) that
     /// they correct anywhere, in a substep of `dt` seconds.
     pub fn pushed_out(&self, excess: f32, share: f32, dt: f32) -> f32 {
-        let excess = excess.max(0.0);
-        (excess.min(self.push_out_rate() * dt) - share * excess).max(0.0)
+        let anyway = DivergenceFree::by_velocity(excess, share, self.most_by_velocity(dt));
+        (excess.max(0.0).min(self.push_out_rate() * dt) - anyway).max(0.0)
     }
 
     /// How far samples that reach no particle may go outwards in a substep, m: what they meet they meet a spacing away.

@@ -7,7 +7,7 @@ mod reference;
 use common::{run, solver};
 use freshet_core::prelude::*;
 use freshet_cpu::CpuSolver;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use reference::{Reference, disturbed};
 
 fn incompressible(mut scene: FluidScene, solver: DivergenceFree) -> FluidScene {
@@ -51,8 +51,14 @@ fn a_substep_solves_what_it_says() {
         scene.settings.kernel = kernel;
         scene.settings.artificial_viscosity = 0.0;
         let plan = Plan::new(&scene).unwrap();
-        let start = disturbed(&plan);
+        // Off places where it is at rest by so little that no position has to be corrected by more than a substep may.
         let mut solver = solver(&scene, 2);
+        run(&mut solver, 30);
+        let settled = by_id(&mut solver, Field::Position).vectors().unwrap();
+        let mut start = disturbed(&plan);
+        for ((x, at), rest) in start.positions.iter_mut().zip(&plan.positions).zip(&settled) {
+            *x = *rest + 0.25 * (*x - *at);
+        }
         solver.restore(&start).unwrap();
         let dt = 1e-3;
         let report = solver.step(&StepInput { duration: dt, ..StepInput::default() }).unwrap();
@@ -75,11 +81,12 @@ fn a_substep_solves_what_it_says() {
         let fastest = start.velocities.iter().map(|v| v.length()).fold(0.0, f32::max);
         let way = (fastest * dt as f32 / plan.parameters.longest_way()).min(1.0);
         let share = DivergenceFree::share(way);
+        let most = plan.parameters.most_by_velocity(dt as f32);
         let densities = reference.densities();
         let rates = reference.rates(&velocities, &[]);
         let (mut wrong, mut too_much) = (0.0, 0.0);
         for ((density, rate), pressure) in densities.iter().zip(&rates).zip(&pressures) {
-            let left = f64::from(DivergenceFree::source((density - 1.0) as f32, share)) + dt * rate;
+            let left = f64::from(DivergenceFree::source((density - 1.0) as f32, share, most)) + dt * rate;
             wrong += if *pressure > 0.0 { left.abs() } else { left.max(0.0) };
             too_much += (density - 1.0).max(0.0);
         }
@@ -88,7 +95,8 @@ fn a_substep_solves_what_it_says() {
         // What was too dense was moved apart, to first order: what is left is of the second.
         let after = Reference::new(&plan, &end.positions, &[]).densities();
         let after = after.iter().map(|density| (density - 1.0).max(0.0)).sum::<f64>() / after.len() as f64;
-        assert!(too_much > 2e-3 && after < 0.2 * too_much, "{kernel:?}: {too_much} before, {after} after");
+        println!("TM {too_much} {after}");
+        assert!(too_much > 2e-4 && after < 0.1 * too_much, "{kernel:?}: {too_much} before, {after} after");
     }
 }
 
@@ -134,7 +142,7 @@ fn belts_drag_and_compress_nothing() {
     }
     // Nothing moved before: corrections by velocity have no share.
     let left = |i: usize| {
-        let source = DivergenceFree::source((densities[i] - 1.0) as f32, 0.0);
+        let source = DivergenceFree::source((densities[i] - 1.0) as f32, 0.0, 1.0);
         let left = f64::from(source) + f64::from(dt) * rates[i];
         if end.pressures[i] > 0.0 { left.abs() } else { left.max(0.0) }
     };
@@ -324,4 +332,46 @@ fn the_solver_can_be_changed_while_running() {
         assert!(run(&mut solver, 5).iter().all(|report| report.removed == 0));
         assert_eq!(solver.read(Field::Pressure).unwrap().len(), count);
     }
+}
+
+/// Ten metres of water, six particles wide, in a shaft that is too narrow: too dense from the start, all the way down. (All corrected at once, it left the
+/// shaft at 10^7 m/s.)
+#[test]
+fn a_column_that_starts_too_dense_rises_without_a_burst() {
+    for (narrower, too_dense) in [(0.98, 0.04), (0.95, 0.14)] {
+        let (d, high) = (0.2, 10.0);
+        let half = Vec3::new(3.0 * d, 0.5 * high, 3.0 * d);
+        let room = Vec3::new(2.0 * half.x * narrower, 1.5 * high, 2.0 * half.z * narrower);
+        let scene = FluidScene {
+            volumes: vec![Volume::block(half, Vec3::Y * half.y)],
+            boundaries: vec![Boundary::open_box(room, Vec3::Y * 0.5 * room.y)],
+            ..FluidScene::with_spacing(d)
+        };
+        let mut solver = solver(&incompressible(scene, DivergenceFree::default()), 2);
+        let mut reports = Vec::new();
+        for tick in 0..240 {
+            reports.push(solver.step(&StepInput { tick, duration: 1.0 / 240.0, ..StepInput::default() }).unwrap());
+        }
+        let fastest = reports.iter().map(|report| report.max_speed).fold(0.0, f32::max);
+        let (start, end) = (reports[0].mean_compression, reports[239].mean_compression);
+        let top = by_id(&mut solver, Field::Position).vectors().unwrap().iter().map(|x| x.y).fold(0.0, f32::max);
+        assert!(reports.iter().all(|report| report.removed == 0), "{narrower}");
+        assert!(start > too_dense && end < 0.6 * start, "{narrower}: {start}, then {end}");
+        assert!(fastest < 2.0 && (10.1..11.5).contains(&top), "{narrower}: {fastest} m/s, up to {top} m");
+    }
+}
+
+/// Substeps of a particle that flies at 2 km/s are short; what is a little too dense meanwhile stays where it is.
+#[test]
+fn a_stray_particle_does_not_stir_the_rest() {
+    let mut scene = column(0.25);
+    scene.volumes.push(Volume { velocity: Vec3::Y * 2000.0, ..Volume::block(Vec3::splat(0.0125), Vec3::Y * 0.7) });
+    scene.settings.expected_speed = Some(5.0);
+    scene.settings.bounds = Some((Vec3::splat(-1.0), Vec3::new(1.0, 200.0, 1.0)));
+    let mut solver = solver(&scene, 2);
+    let report = solver.step(&StepInput { duration: 0.02, ..StepInput::default() }).unwrap();
+    let mut speeds = by_id(&mut solver, Field::Speed).scalars().unwrap();
+    speeds.sort_by(f32::total_cmp);
+    let (stray, fastest) = (speeds.pop().unwrap(), speeds.pop().unwrap());
+    assert!(report.substeps > 1000 && stray > 1900.0 && fastest < 0.5, "{stray} m/s, others {fastest}, {report:?}");
 }

@@ -117,6 +117,8 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         widest_support: p.widest_support,
         push_out_speed: p.push_out_speed(),
         push_out_rate: p.push_out_rate(),
+        by_velocity_rate: p.most_by_velocity(1.0),
+        longest_correction: DivergenceFree::LONGEST_CORRECTION * p.spacing,
         swelling_way: p.swelling_way(),
         elsewhere: 0.5 * p.spacing,
         ..Default::default()

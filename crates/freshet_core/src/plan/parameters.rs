@@ -120,6 +120,13 @@ impl Parameters {
         self.courant_factor * self.spacing
     }
 
+    /// Largest relative density too large that velocities of an incompressible fluid correct in a substep of `dt` seconds. A correction by `e` takes velocities
+    /// of `e d/dt`: without a limit to the rate a single fast particle, for which substeps are short, would make all that is a little
+    /// too dense fly apart, and what is much too dense each substep faster than the one before.
+    pub fn most_by_velocity(&self, dt: f32) -> f32 {
+        DivergenceFree::RATE_BY_VELOCITY * self.expected_speed / self.spacing * dt
+    }
+
     /// The substep allowed by viscosity alone, s.
     pub fn viscous_limit(&self) -> f32 {
         let artificial = self.artificial_viscosity * self.sound_speed * self.smoothing_length / 10.0;

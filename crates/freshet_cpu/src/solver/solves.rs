@@ -1,6 +1,7 @@
 //! The pressure solves of an incompressible fluid, see [`DivergenceFree`].
 
 use freshet_core::pressure_solver::DivergenceFree;
+use glam::Vec3;
 
 use super::answers::Answers;
 use super::stages::{kernel_scale, those_with_samples};
@@ -92,8 +93,9 @@ impl CpuSolver {
         let mut solve = std::mem::take(&mut self.solve);
         let live = self.particles.len;
         let (share, rest_density) = (DivergenceFree::share(way), self.plan.parameters.rest_density);
+        let most = self.plan.parameters.most_by_velocity(dt);
         for (source, density) in solve.source[..live].iter_mut().zip(&self.density) {
-            *source = DivergenceFree::source(density / rest_density - 1.0, share);
+            *source = DivergenceFree::source(density / rest_density - 1.0, share, most);
         }
         for at in solve.bodies.pushed_out(&self.bodies) {
             let excess = self.density[at] / rest_density - 1.0;
@@ -149,9 +151,10 @@ impl CpuSolver {
             solve.left[at] -= self.plan.parameters.pushed_out(excess, share, dt);
         }
         let mut sum = 0;
+        let most = self.plan.parameters.most_by_velocity(dt);
         for i in 0..live {
             let excess = (self.density[i] / rest_density - 1.0).max(0.0);
-            let too_much = solve.left[i] + (1.0 - share) * excess;
+            let too_much = solve.left[i] + excess - DivergenceFree::by_velocity(excess, share, most);
             solve.source[i] = too_much;
             let step = (relaxation * too_much * solve.inverse_diagonal[i]).max(0.0);
             solve.change[i] = step;
@@ -170,10 +173,11 @@ impl CpuSolver {
             iterations += 1;
         }
         if iterations > 0 {
-            for (position, motion) in self.particles.position.iter_mut().zip(&solve.motion) {
-                for (x, a) in position[..live].iter_mut().zip(motion) {
-                    *x += a * dt * dt;
-                }
+            let longest = DivergenceFree::LONGEST_CORRECTION * self.plan.parameters.spacing;
+            let ([x, y, z], [ax, ay, az]) = (&mut self.particles.position, &solve.motion);
+            for i in 0..live {
+                let way = (dt * dt * Vec3::new(ax[i], ay[i], az[i])).clamp_length_max(longest);
+                (x[i], y[i], z[i]) = (x[i] + way.x, y[i] + way.y, z[i] + way.z);
             }
         }
         self.solve = solve;

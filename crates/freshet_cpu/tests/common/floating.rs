@@ -124,13 +124,14 @@ pub fn substep_errors(solver: &mut dyn FluidSolver) -> [f64; 4] {
     let fastest = bodies.iter().map(|body| body.linear_velocity.length()).fold(fastest, f32::max);
     let way = (fastest * duration / plan.parameters.longest_way()).min(1.0);
     let share = DivergenceFree::share(way);
+    let most = plan.parameters.most_by_velocity(dt as f32);
     let densities = reference.densities();
     let rates = reference.rates(&velocities, &motions);
     // Without the bodies' motion it would not be solved at all.
     let standing = reference.rates(&velocities, &[[DVec3::ZERO; 2]; 3]);
     let (mut wrong, mut wrong_if_standing) = (0.0, 0.0);
     for (i, pressure) in pressures.iter().enumerate() {
-        let source = f64::from(DivergenceFree::source((densities[i] - 1.0) as f32, share));
+        let source = f64::from(DivergenceFree::source((densities[i] - 1.0) as f32, share, most));
         let measure = |left: f64| if *pressure > 0.0 { left.abs() } else { left.max(0.0) } / densities.len() as f64;
         wrong += measure(source + dt * rates[i]);
         wrong_if_standing += measure(source + dt * standing[i]);

@@ -147,6 +147,10 @@ wgsl_struct! {
         push_out_speed: f32,
         /// Up to which rate velocities correct a density beside it, 1/s.
         push_out_rate: f32,
+        /// Up to which rate velocities correct a density too large, 1/s.
+        by_velocity_rate: f32,
+        /// Farthest that positions are corrected in a substep, m.
+        longest_correction: f32,
         /// How far they go in a substep in which they reach no particle, m.
         swelling_way: f32,
         /// From this far on a body that jumps is elsewhere, m.

@@ -139,10 +139,11 @@ fn errors(scene: &FluidScene, options: GpuOptions) -> [f64; 3] {
     let fastest = start.velocities.iter().map(|v| v.length()).fold(0.0, f32::max);
     let way = (fastest * dt / plan.parameters.longest_way()).min(1.0);
     let share = DivergenceFree::share(way);
+    let most = plan.parameters.most_by_velocity(dt);
     let densities = reference.densities();
     let (mut wrong, mut too_much) = (0.0, 0.0);
     for ((density, rate), pressure) in densities.iter().zip(reference.rates(&velocities)).zip(&pressures) {
-        let left = f64::from(DivergenceFree::source((density - 1.0) as f32, share)) + f64::from(dt) * rate;
+        let left = f64::from(DivergenceFree::source((density - 1.0) as f32, share, most)) + f64::from(dt) * rate;
         wrong += if *pressure > 0.0 { left.abs() } else { left.max(0.0) };
         too_much += (density - 1.0).max(0.0);
     }

@@ -16,6 +16,8 @@ pub struct DensityRates {
     pairs: Vec<(usize, usize, DVec3)>,
     /// Of each particle, `1/S sum_k V_k grad W` over walls, 1/m.
     walls: Vec<DVec3>,
+    /// What velocities correct in a second at most, of a relative density.
+    most_by_velocity: f32,
 }
 
 impl DensityRates {
@@ -32,6 +34,7 @@ impl DensityRates {
             densities: vec![volume * scale * kernel.value(0.0); count],
             pairs: Vec::new(),
             walls: vec![DVec3::ZERO; count],
+            most_by_velocity: parameters.most_by_velocity(1.0),
         };
         let all: Vec<Vec3> = positions.iter().chain(&plan.boundary.positions).copied().collect();
         visit_pairs(&all, parameters.support_radius, |a, b, _| {
@@ -74,9 +77,10 @@ impl DensityRates {
     /// that of the fastest particle over the longest allowed.
     pub fn left(&self, velocities: &[Vec3], pressures: &[f32], dt: f64, way: f32) -> f64 {
         let share = DivergenceFree::share(way);
+        let most = self.most_by_velocity * dt as f32;
         let rates = self.of(velocities);
         let wrong = |((density, rate), pressure): ((&f64, &f64), &f32)| {
-            let left = f64::from(DivergenceFree::source((density - 1.0) as f32, share)) + dt * rate;
+            let left = f64::from(DivergenceFree::source((density - 1.0) as f32, share, most)) + dt * rate;
             if *pressure > 0.0 { left.abs() } else { left.max(0.0) }
         };
         let sum: f64 = self.densities.iter().zip(&rates).zip(pressures).map(wrong).sum();
