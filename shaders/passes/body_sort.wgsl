@@ -85,7 +85,7 @@ fn body_sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_inv
     }
     let body = fields::body_of_sample(k);
     fields::set_sample(first + rank, vec4<f32>(place(k), swelling::weight(k, body)));
-#ifdef INCOMPRESSIBLE
+#ifdef SAMPLE_ARMS
     fields::set_sample_arm(first + rank, swelling::arm(k, body), body);
 #endif
 }

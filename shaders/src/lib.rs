@@ -72,6 +72,8 @@ pub mod passes {
         DENSITY = "density.wgsl",
         /// Acceleration.
         ACCELERATION = "acceleration.wgsl",
+        /// Fluid that sticks to bodies.
+        BODY_DRAG = "body_drag.wgsl",
         /// Force and torque on bodies.
         BODY_LOAD = "body_load.wgsl",
         /// Who touches bodies of an incompressible fluid.

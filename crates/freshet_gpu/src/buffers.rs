@@ -13,7 +13,7 @@ use crate::layout::{
 use crate::memory::{Held, Memory, TEXEL_BYTES, write_texels};
 use crate::options::GpuOptions;
 use crate::parameters::parameters;
-use crate::passes::{Arguments, answering_bodies, incompressible, solve_words};
+use crate::passes::{Arguments, answering_bodies, incompressible, sample_arms, solve_words};
 
 /// Ticks that can be prepared without their report being collected.
 pub(crate) const TICK_SLOTS: usize = 8;
@@ -72,6 +72,7 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
             Binding::Motions | Binding::Solves => incompressible(plan),
             Binding::Drifts => plan.has(StageKind::Xsph),
             Binding::Widths => plan.has(StageKind::Support),
+            Binding::Contacts => plan.has(StageKind::BodyDrag),
             _ => true,
         };
         asked_for && binding.memory() == *binding
@@ -85,7 +86,7 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     need(Binding::CellCounts, 4 * u64::from(tables.counts), state);
     need(Binding::CellStarts, 4 * u64::from(tables.starts), state);
     let moving = plan.body_samples();
-    let arms = if answering_bodies(plan) { moving } else { 0 };
+    let arms = if sample_arms(plan) { moving } else { 0 };
     let samples = first_body_sample(plan) + moving + arms;
     if samples > 0 {
         need(Binding::Samples, bytes(16, samples), state);

@@ -119,6 +119,8 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         push_out_rate: p.push_out_rate(),
         swelling_way: p.swelling_way(),
         elsewhere: 0.5 * p.spacing,
+        particle_mass: p.particle_mass,
+        sample_drag: 2.0 * p.dynamic_viscosity * p.spacing,
         ..Default::default()
     }
 }

@@ -39,6 +39,12 @@ fn a_plate_drags_a_fluid_along() -> Result<(), LabError> {
 }
 
 #[test]
+fn a_ball_that_turns_feels_the_torque_of_a_viscous_fluid() -> Result<(), LabError> {
+    assert_passes("spin", Backend::Cpu)?;
+    assert_passes("spin", Backend::Gpu)
+}
+
+#[test]
 fn a_cube_under_tension_rounds_itself_off_and_does_not_clump() -> Result<(), LabError> {
     assert_passes("relaxing-cube", Backend::Cpu)?;
     assert_passes("relaxing-cube", Backend::Gpu)

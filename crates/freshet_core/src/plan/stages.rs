@@ -20,6 +20,8 @@ pub enum StageKind {
     Density,
     /// Acceleration by pressure, viscosity and gravity.
     Acceleration,
+    /// How fluid sticks to bodies and drags them along.
+    BodyDrag,
     /// Force and torque of the fluid on each body.
     BodyLoad,
     /// Chooses the substep.
@@ -47,6 +49,7 @@ impl StageKind {
             StageKind::Support => "support",
             StageKind::Density => "density",
             StageKind::Acceleration => "acceleration",
+            StageKind::BodyDrag => "body_drag",
             StageKind::BodyLoad => "body_load",
             StageKind::StepControl => "step_control",
             StageKind::DivergenceSolve => "divergence_solve",
@@ -108,6 +111,9 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         (false, Some(_)) => ", the material's viscosity and gravity",
     };
     add(StageKind::Acceleration, &format!("{pressure}{rest}"));
+    if let Some(model) = scene.physical_viscosity().filter(|_| !bodies.is_empty()) {
+        add(StageKind::BodyDrag, &format!("fluid sticks to bodies by the material's viscosity ({})", model.name()));
+    }
     if !bodies.is_empty() {
         add(StageKind::BodyLoad, "the scene has bodies, which the fluid pushes");
     }

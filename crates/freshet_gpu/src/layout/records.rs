@@ -151,6 +151,12 @@ wgsl_struct! {
         swelling_way: f32,
         /// From this far on a body that jumps is elsewhere, m.
         elsewhere: f32,
+        /// kg.
+        particle_mass: f32,
+        /// 2 mu d: what a sample of a body is dragged by, N s/m.
+        sample_drag: f32,
+        /// Unused.
+        pad_drag: [u32; 2],
     }
 
     /// What the GPU decides from substep to substep, and what it reports.
@@ -331,6 +337,14 @@ wgsl_struct! {
         torque: Vec3,
         /// Unused.
         pad_a: f32,
+    }
+
+    /// What of a particle sticks to a body.
+    pub struct ContactRecord {
+        /// Force on the body over the sum of `V_k F`, N/m3 in the units of kernel slopes.
+        force: Vec3,
+        /// Which body, counted from one; zero for none.
+        body: u32,
     }
 
     /// What passed between the fluid and a body in one tick, minus what was forecast.

@@ -16,4 +16,5 @@ mod reconfigure;
 mod reference;
 mod rest;
 mod sorting;
+mod sticking;
 mod swelling;

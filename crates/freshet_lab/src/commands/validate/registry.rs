@@ -52,7 +52,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 21] = [
+pub const CASES: [&Case; 22] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -69,6 +69,7 @@ pub const CASES: [&Case; 21] = [
     &cases::added_mass::CASE,
     &cases::gate::CASE,
     &cases::heave::CASE,
+    &cases::spin::CASE,
     &cases::commands::COLUMN,
     &cases::commands::FLOAT,
     &cases::commands::DAM_BREAK,
