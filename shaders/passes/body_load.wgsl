@@ -1,4 +1,4 @@
-// Force and torque of the fluid on each body. Sample k feels (1/G) m rho0 V_k sum_a P_a F x_ak: the opposite of what the
+// Force and torque of the fluid on each body. Sample k feels (1/G) m rho0 V_k sum_a (P_a + P_k) F x_ak, P_k being zero but for quasi-fluid: the opposite of what the
 // particles felt from it. Fluid that sticks to the body gives it the opposite of its drag too, at the place of the particle: to each
 // sample its share of the sum of V_k F that the drag is by, see body_drag.wgsl.
 //
@@ -9,6 +9,9 @@
 #import freshet::grid
 #import freshet::kernels
 #import freshet::swelling
+#ifdef QUASI_FLUID
+#import freshet::quasi_fluid
+#endif
 #import freshet::threads
 
 #ifndef BODY_SUM
@@ -38,6 +41,10 @@ fn load_sample(k: u32) {
     let inverse_radius = fields::parameters.inverse_support_radius;
     var sum = vec3<f32>(0.0);
     var wet = 0.0;
+#ifdef QUASI_FLUID
+    var shapes = 0.0;
+    var slopes = vec3<f32>(0.0);
+#endif
 #ifdef BODY_LOAD
 #ifdef STICKING_BODIES
     var drag = vec3<f32>(0.0);
@@ -54,6 +61,10 @@ fn load_sample(k: u32) {
             wet = select(wet, 1.0, q < 1.0);
             let slope = kernels::slope_over_q(q);
             sum += (pressure_of(a) * slope) * x;
+#ifdef QUASI_FLUID
+            shapes += kernels::shape(q);
+            slopes += slope * x;
+#endif
 #ifdef BODY_LOAD
 #ifdef STICKING_BODIES
             if (fields::contact_body(a) == body + 1u) {
@@ -65,6 +76,9 @@ fn load_sample(k: u32) {
 #endif
         }
     }
+#ifdef QUASI_FLUID
+    sum += quasi_fluid::pressure_term(k, body, shapes) * slopes;
+#endif
     let weight = swelling::weight(k, body);
     var force = (fields::parameters.body_force_scale * weight) * sum;
     var torque = cross(arm, force);

@@ -54,6 +54,8 @@ pub mod library {
         ROTATION = "rotation.wgsl",
         /// Samples of bodies that swell.
         SWELLING = "swelling.wgsl",
+        /// Pressures of quasi-fluid samples.
+        QUASI_FLUID = "quasi_fluid.wgsl",
     }
 }
 

@@ -501,6 +501,9 @@ impl CpuSolver {
             tally.timed("support", || self.support_stage());
         }
         let compression = tally.timed("density", || self.density_stage());
+        if self.plan.has(StageKind::BodyDensity) {
+            tally.timed("body_density", || self.body_density_stage());
+        }
         let maxima = tally.timed("acceleration", || self.acceleration_stage());
         if self.plan.has(StageKind::BodyDrag) {
             tally.timed("body_drag", || self.body_drag_stage());

@@ -14,7 +14,7 @@ pub struct Workspace {
     pub calm: Packed<4>,
     /// With a motion.
     pub moving: Packed<6>,
-    /// Samples that drag by artificial viscosity, or with friction.
+    /// Samples that drag by artificial viscosity, with friction, or with a pressure.
     pub dragging: Packed<5>,
     /// Samples that drag by a physical viscosity; fluid with its motion and density.
     pub sticking: Packed<7>,

@@ -86,8 +86,9 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     need(Binding::CellCounts, 4 * u64::from(tables.counts), state);
     need(Binding::CellStarts, 4 * u64::from(tables.starts), state);
     let moving = plan.body_samples();
-    let arms = if sample_arms(plan) { moving } else { 0 };
-    let samples = first_body_sample(plan) + moving + arms;
+    // Plans have the one or the other.
+    let beside = if sample_arms(plan) || plan.has(StageKind::BodyDensity) { moving } else { 0 };
+    let samples = first_body_sample(plan) + moving + beside;
     if samples > 0 {
         need(Binding::Samples, bytes(16, samples), state);
     }
@@ -272,12 +273,14 @@ fn body_records(plan: &Plan) -> (Vec<BodySampleRecord>, Vec<BodyRecord>) {
             swelling_reach: body.swelling_reach,
             ..Default::default()
         });
-        let weighted = body.samples.iter().zip(&body.volumes).zip(&body.roots);
-        samples.extend(weighted.map(|((&offset, &volume), &root)| BodySampleRecord {
+        let weighted = body.samples.iter().zip(&body.volumes).zip(&body.roots).enumerate();
+        samples.extend(weighted.map(|(k, ((&offset, &volume), &root))| BodySampleRecord {
             offset,
             volume,
             root,
             body: index as u32,
+            own_density: body.own_densities.get(k).copied().unwrap_or(-1.0),
+            ..Default::default()
         }));
     }
     (samples, bodies)

@@ -300,6 +300,19 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(plan.has(StageKind::Support), uses, &[(B::Widths, Read)]);
             vec![with_words(3, pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses))]
         }
+        StageKind::BodyDensity => vec![pass(
+            "body_density",
+            passes::BODY_SORT,
+            Arguments::Samples,
+            &[
+                (B::Bodies, Read),
+                (B::BodySamples, Read),
+                (B::CellStarts, Read),
+                (B::BodySlots, Read),
+                (B::SortedPositions, Read),
+                (B::Samples, Write),
+            ],
+        )],
         StageKind::BodyDrag => vec![pass(
             "body_drag",
             passes::BODY_DRAG,

@@ -69,6 +69,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("MOVING_WALLS", moving_walls(plan)),
         ("INCOMPRESSIBLE", incompressible(plan)),
         ("SAMPLE_ARMS", sample_arms(plan)),
+        ("QUASI_FLUID", plan.has(StageKind::BodyDensity)),
         ("STICKING_BODIES", plan.has(StageKind::BodyDrag)),
         ("PERIODIC", plan.grid.periodic.any()),
         ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),

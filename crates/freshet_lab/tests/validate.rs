@@ -8,7 +8,7 @@ use freshet_lab::output::Output;
 fn assert_passes(name: &str, backend: Backend) -> Result<(), LabError> {
     let folder = std::env::temp_dir().join(format!("freshet_lab_validate_{name}_{backend}_{}", std::process::id()));
     let output = Output::new(&folder)?;
-    let job = Job { backend, quick: true, threads: Default::default(), output };
+    let job = Job { backend, quick: true, threads: Default::default(), bodies: Default::default(), output };
     let case = CASES.iter().find(|case| case.name == name).unwrap_or_else(|| panic!("no case {name}"));
     let found = (case.run)(&job)?;
     println!("{}", found.verdict);

@@ -18,6 +18,8 @@ pub enum StageKind {
     Support,
     /// Density sum and pressure.
     Density,
+    /// Density and pressure of the bodies' samples.
+    BodyDensity,
     /// Acceleration by pressure, viscosity and gravity.
     Acceleration,
     /// How fluid sticks to bodies and drags them along.
@@ -48,6 +50,7 @@ impl StageKind {
             StageKind::BodySort => "body_sort",
             StageKind::Support => "support",
             StageKind::Density => "density",
+            StageKind::BodyDensity => "body_density",
             StageKind::Acceleration => "acceleration",
             StageKind::BodyDrag => "body_drag",
             StageKind::BodyLoad => "body_load",
@@ -103,6 +106,9 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         Some(_) => "densities, and what each pressure changes of them",
     };
     add(StageKind::Density, &format!("{density}; {others}"));
+    if bodies.iter().any(|body| !body.own_densities.is_empty()) {
+        add(StageKind::BodyDensity, "bodies are sampled by quasi-fluid, which has densities and pressures of its own");
+    }
     let pressure = if incompressible.is_some() { "pressure of the last substep" } else { "pressure" };
     let rest = match (scene.settings.artificial_viscosity > 0.0, scene.physical_viscosity()) {
         (true, None) => ", artificial viscosity and gravity",

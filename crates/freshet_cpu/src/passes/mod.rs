@@ -2,6 +2,7 @@
 //! twins.
 
 pub mod acceleration;
+pub mod body_density;
 pub mod body_drag;
 pub mod body_load;
 pub mod body_motion;

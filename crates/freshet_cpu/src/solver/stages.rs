@@ -13,7 +13,9 @@ use crate::passes::acceleration::Maxima;
 use crate::passes::density::{Compression, Second};
 use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
-use crate::passes::{acceleration, body_drag, body_load, body_touch, density, friction, integrate, support, xsph};
+use crate::passes::{
+    acceleration, body_density, body_drag, body_load, body_touch, density, friction, integrate, support, xsph,
+};
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
 use crate::tasks::Tasks;
@@ -157,6 +159,47 @@ impl CpuSolver {
         })
     }
 
+    /// Densities and pressures of quasi-fluid samples.
+    pub(super) fn body_density_stage(&mut self) {
+        let mut pressure_terms = std::mem::take(&mut self.body_samples.sorted.pressure_term);
+        let count = self.body_samples.sorted.len();
+        pressure_terms.clear();
+        pressure_terms.resize(count + PADDING, 0.0);
+        self.share_slots(count);
+        let parameters = &self.plan.parameters;
+        let factor = parameters.particle_mass * kernel_scale(parameters, 3) / parameters.density_calibration;
+        let (arch, grid) = (self.arch, &self.plan.grid);
+        let (starts, particles) = (&self.sorter.starts, &self.particles);
+        let (samples, own) = (&self.body_samples.sorted, self.body_samples.own_densities());
+        let (rest_density, law) = (parameters.rest_density, parameters.pressure_law);
+        let tasks = Tasks::new(&self.slots, (), &mut pressure_terms[..count]);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (slots, (), pressure_terms)| {
+            let slots = slots.clone();
+            let task = body_density::Task {
+                arch,
+                grid,
+                starts,
+                particles,
+                samples,
+                own,
+                slots,
+                workspace,
+                pressure_terms,
+                factor,
+                rest_density,
+                law,
+            };
+            dispatch(parameters.kernel, task);
+        });
+        self.body_samples.sorted.pressure_term = pressure_terms;
+    }
+
+    /// Shares the slots of so many samples out among tasks.
+    fn share_slots(&mut self, count: usize) {
+        self.slots.clear();
+        self.slots.extend((0..count).step_by(64).map(|first| first..(first + 64).min(count)));
+    }
+
     /// What sticks to bodies: adds to the accelerations, and keeps what bodies get for it.
     pub(super) fn body_drag_stage(&mut self) {
         let parameters = &self.plan.parameters;
@@ -201,13 +244,12 @@ impl CpuSolver {
 
     /// Force (N) and torque about the centre of mass (N m) of the fluid on each body, in the order of the bodies.
     pub(super) fn body_load_stage(&mut self) {
+        let count = self.body_samples.sorted.len();
+        self.share_slots(count);
         let parameters = &self.plan.parameters;
         let samples = &self.body_samples.sorted;
         let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
         let factor = parameters.particle_mass * parameters.rest_density * scale;
-        let count = samples.len();
-        self.slots.clear();
-        self.slots.extend((0..count).step_by(64).map(|first| first..(first + 64).min(count)));
         self.sorted_forces.resize(count, Vec3::ZERO);
         self.forces.resize(count, Vec3::ZERO);
         let (arch, grid) = (self.arch, &self.plan.grid);

@@ -165,7 +165,7 @@ pub fn assert_a_ball_is_braked(open: &mut dyn FnMut(&FluidScene) -> Box<dyn Flui
             let radius = 0.15f32;
             let samples = scene.wall_layer().unwrap().sphere_surface(radius).unwrap();
             let solids = vec![Solid::ball(radius, Vec3::ZERO)];
-            scene.bodies = vec![Body { name: "ball".to_owned(), samples, solids, at_once: false }];
+            scene.bodies = vec![Body { name: "ball".to_owned(), samples, solids, ..Body::default() }];
             let mut solver = open(&scene);
             let particle = f64::from(solver.plan().parameters.particle_mass);
             let mass = 1000.0 * ratio * 4.0 / 3.0 * std::f32::consts::PI * radius.powi(3);

@@ -316,6 +316,7 @@ fn sample(k: u32) -> Sample {
 fn wall_velocity(k: u32) -> vec3<f32> {
     return bitcast<vec3<f32>>(samples_words(parameters.wall_samples + k).xyz);
 }
+fn sample_pressure(k: u32) -> f32 { return bitcast<f32>(samples_words(parameters.body_samples + k).x); }
 struct SampleArm { offset: vec3<f32>, body: u32 }
 fn sample_arm(k: u32) -> SampleArm {
     let words = samples_words(parameters.body_samples + k);
@@ -360,6 +361,7 @@ fn body_exchange(i: u32, slot: u32) -> ExchangeRecord { return bodies[i].exchang
                 "fn sample_offset(k: u32) -> vec3<f32> { return body_samples[k].offset; }
 fn sample_root(k: u32) -> vec3<f32> { return body_samples[k].root; }
 fn sample_volume(k: u32) -> f32 { return body_samples[k].volume; }
+fn sample_own_density(k: u32) -> f32 { return body_samples[k].own_density; }
 fn body_of_sample(k: u32) -> u32 { return body_samples[k].body; }
 "
             }
@@ -466,6 +468,9 @@ fn take_from_cell_count(i: u32) -> u32 { return atomicSub(&cell_counts[i], 1u) -
             Binding::CellStarts => "fn set_cell_start(i: u32, start: u32) { cell_starts[i] = start; }\n",
             Binding::Samples => {
                 "fn set_sample(k: u32, value: vec4<f32>) { set_samples_words(k, bitcast<vec4<u32>>(value)); }
+fn set_sample_pressure(k: u32, value: f32) {
+    set_samples_words(parameters.body_samples + k, vec4<u32>(bitcast<u32>(value), 0u, 0u, 0u));
+}
 fn set_sample_arm(k: u32, offset: vec3<f32>, body: u32) {
     set_samples_words(parameters.body_samples + k, vec4<u32>(bitcast<vec3<u32>>(offset), body));
 }

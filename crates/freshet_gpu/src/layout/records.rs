@@ -325,6 +325,12 @@ wgsl_struct! {
         root: Vec3,
         /// Whose it is.
         body: u32,
+        /// What its body's own samples add to its density, over the density at rest; negative for samples of a single layer.
+        own_density: f32,
+        /// Unused.
+        pad_a: u32,
+        /// Unused.
+        pad_b: [u32; 2],
     }
 
     /// What the fluid does to a sample.

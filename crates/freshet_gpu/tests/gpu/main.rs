@@ -12,6 +12,7 @@ mod incompressible;
 mod incompressible_bodies;
 mod lowering;
 mod pipelined;
+mod quasi_fluid;
 mod reconfigure;
 mod reference;
 mod rest;

@@ -2,6 +2,7 @@
 
 use super::cases;
 use super::study::Level;
+use crate::afloat::BodyMethod;
 use crate::backend::Backend;
 use crate::error::LabError;
 use crate::options::{BackendChoice, CommonOptions, ThreadOption};
@@ -17,6 +18,8 @@ pub struct Job {
     pub quick: bool,
     /// Threads of the CPU solver.
     pub threads: ThreadOption,
+    /// How cases with bodies have them.
+    pub bodies: BodyMethod,
     /// Where the files go.
     pub output: Output,
 }
@@ -75,6 +78,15 @@ pub const CASES: [&Case; 22] = [
     &cases::commands::DAM_BREAK,
     &cases::commands::DAM_BREAK_DFSPH,
     &cases::commands::DAM_BREAK_WATER,
+];
+
+/// Names of the cases that have bodies in each of the ways there are.
+pub const WITH_BODIES: [&str; 5] = [
+    cases::draft::CASE.name,
+    cases::light_and_heavy::CASE.name,
+    cases::added_mass::CASE.name,
+    cases::gate::CASE.name,
+    cases::heave::CASE.name,
 ];
 
 #[cfg(test)]
