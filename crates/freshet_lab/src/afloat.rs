@@ -157,7 +157,7 @@ impl Afloat {
             coupling: Coupling::new(bodies.iter().copied(), 0),
             clock: SceneRun::new(),
             late: VecDeque::new(),
-            latency,
+            latency: if job.lockstep { 0 } else { latency },
             ticks: 0,
             account: Account::default(),
         })

@@ -15,8 +15,14 @@ fn asleep_after(tank: &Tank, latency: u64, viscosity: Option<f32>) -> Option<u32
     let body = RigidBodyBuilder::dynamic().translation(Vec3::Y * tank.depth);
     let (handle, _) = world.insert(body, ColliderBuilder::ball(DIAMETER / 2.0).density(500.0));
     let output = Output::new(&std::env::temp_dir()).unwrap();
-    let job =
-        Job { backend: Backend::Cpu, quick: true, threads: Default::default(), bodies: Default::default(), output };
+    let job = Job {
+        backend: Backend::Cpu,
+        quick: true,
+        threads: Default::default(),
+        bodies: Default::default(),
+        lockstep: false,
+        output,
+    };
     let mut scene = tank.scene("sleep");
     if let Some(viscosity) = viscosity {
         scene.material.dynamic_viscosity = viscosity;

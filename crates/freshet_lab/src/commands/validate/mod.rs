@@ -38,6 +38,9 @@ pub struct ValidateArgs {
     /// How bodies are in the fluid: for draft, light-and-heavy, added-mass, gate and heave, and for no other case.
     #[arg(long, value_enum, default_value_t)]
     pub bodies: BodyMethod,
+    /// Rapier hears of impulses in the same tick, also where a case has it hear of them later. For the same cases.
+    #[arg(long)]
+    pub lockstep: bool,
     /// Names the cases and ends.
     #[arg(long)]
     pub list: bool,
@@ -47,14 +50,15 @@ impl ValidateArgs {
     /// The cases asked for.
     ///
     /// # Errors
-    /// A name that is none, or a case without bodies with [`bodies`](Self::bodies) in another way than by default.
+    /// A name that is none, or [`bodies`](Self::bodies) in another way than by default or [`lockstep`](Self::lockstep) with a case without bodies.
     pub fn cases(&self) -> Result<Vec<&'static Case>, LabError> {
         let cases = self.named()?;
         let without = cases.iter().find(|case| !WITH_BODIES.contains(&case.name));
         match without {
-            Some(case) if self.bodies != BodyMethod::default() => {
+            Some(case) if self.lockstep || self.bodies != BodyMethod::default() => {
+                let argument = if self.lockstep { "--lockstep" } else { "--bodies" };
                 let reason = format!("not with case {}; allowed: with --case {}", case.name, WITH_BODIES.join(","));
-                Err(LabError::Argument { argument: "--bodies", reason })
+                Err(LabError::Argument { argument, reason })
             }
             _ => Ok(cases),
         }
@@ -89,8 +93,8 @@ pub fn run(args: &ValidateArgs) -> Result<Verdict, LabError> {
     let output = Output::new(&args.common.out)?;
     let (mut levels, mut verdict, mut left_out) = (Vec::new(), Verdict::default(), Vec::new());
     for &backend in args.common.backends(BackendChoice::Cpu) {
-        let (quick, threads, bodies) = (args.common.quick, args.threads, args.bodies);
-        let job = Job { backend, quick, threads, bodies, output: output.clone() };
+        let ValidateArgs { threads, bodies, lockstep, .. } = *args;
+        let job = Job { backend, quick: args.common.quick, threads, bodies, lockstep, output: output.clone() };
         for case in &cases {
             let begin = Instant::now();
             match (case.run)(&job) {

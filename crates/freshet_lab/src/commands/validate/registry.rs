@@ -20,11 +20,23 @@ pub struct Job {
     pub threads: ThreadOption,
     /// How cases with bodies have them.
     pub bodies: BodyMethod,
+    /// Whether rapier hears of impulses in the same tick, whatever the case says.
+    pub lockstep: bool,
     /// Where the files go.
     pub output: Output,
 }
 
 impl Job {
+    /// What is added to the names of files for how it has bodies.
+    pub fn suffix(&self) -> String {
+        format!("{}{}", self.bodies.suffix(), if self.lockstep { "_lockstep" } else { "" })
+    }
+
+    /// The options that ask for that, each with a space before.
+    pub fn body_options(&self) -> String {
+        format!("{}{}", self.bodies.option(), if self.lockstep { " --lockstep" } else { "" })
+    }
+
     /// The same as options of a command.
     pub fn options(&self) -> CommonOptions {
         let backend = match self.backend {

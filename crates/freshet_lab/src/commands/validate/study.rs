@@ -1,7 +1,6 @@
 //! One case at several resolutions: errors, the observed order of convergence, files.
 
 use super::registry::{Findings, Job};
-use crate::afloat::BodyMethod;
 use crate::backend::Backend;
 use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
 use crate::drive::Account;
@@ -93,8 +92,8 @@ impl Study {
         for &resolution in resolutions {
             progress.begin(format!("{} at {resolution}, {}", self.name, job.backend), work(resolution));
             levels.push((self.simulate)(job, resolution, &mut progress)?);
-            let file = format!("{}{}", self.name, job.bodies.suffix());
-            job.output.write(&format!("{file}.csv"), self.csv(&levels, job.bodies).text())?;
+            let file = format!("{}{}", self.name, job.suffix());
+            job.output.write(&format!("{file}.csv"), self.csv(&levels, &job.body_options()).text())?;
             chart::draw(&job.output, &format!("{file}.svg"), &self.chart(&levels))?;
         }
         Ok(Findings { verdict: self.verdict(job, &levels), levels })
@@ -103,7 +102,7 @@ impl Study {
     /// The bounds of its levels. The quick form is too coarse for the bound on the error.
     fn verdict(&self, job: &Job, levels: &[Level]) -> Verdict {
         let mut verdict = Verdict::default();
-        let suffix = job.bodies.suffix();
+        let suffix = job.suffix();
         let name =
             |resolution: u32, what: &str| format!("{}{suffix} at {resolution}, {}: {what}", self.name, job.backend);
         if let ([coarsest, ..], Some(finest)) = (levels, levels.last()) {
@@ -133,12 +132,10 @@ impl Study {
         verdict
     }
 
-    fn csv(&self, levels: &[Level], bodies: BodyMethod) -> Csv {
+    fn csv(&self, levels: &[Level], options: &str) -> Csv {
         let mut comments = vec![format!(
             "Freshet, {}: `cargo run --release -p freshet_lab -- validate --case {}{}`.",
-            self.title,
-            self.name,
-            bodies.option()
+            self.title, self.name, options
         )];
         for (index, level) in levels.iter().enumerate() {
             let order = index
@@ -325,6 +322,7 @@ mod tests {
             quick: false,
             threads: Default::default(),
             bodies: Default::default(),
+            lockstep: false,
             output,
         };
         study().verdict(&job, levels).passes()
@@ -346,7 +344,7 @@ mod tests {
     #[test]
     fn files_hold_errors_order_and_points() {
         let levels = [level(10, 0.04), level(20, 0.01)];
-        let text = study().csv(&levels, BodyMethod::default()).text().to_owned();
+        let text = study().csv(&levels, "").text().to_owned();
         assert!(text.contains("L2 error 1.000 %, observed order 2.00"), "{text}");
         assert!(text.contains("20,t,1.000000,2.000000,2.100000"), "{text}");
         let chart = study().chart(&levels);
