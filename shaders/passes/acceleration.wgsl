@@ -141,6 +141,15 @@ fn from_sample(own: Own, sample: fields::Sample) -> vec3<f32> {
 }
 #endif
 
+#ifdef QUASI_FLUID
+// V_k (P_a + P_k) f'(q) / q x_ak, P_k being zero for samples of a single layer
+fn from_quasi_fluid(own: Own, k: u32, sample: fields::Sample) -> vec3<f32> {
+    let x = grid::difference(own.position, sample.position);
+    let factor = sample.weight * (own.pressure_term + fields::sample_pressure(k));
+    return (factor * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+}
+#endif
+
 #ifdef DRAGGING_WALLS
 // V_k (P_a + Pi_ak) f'(q) / q x_ak
 fn from_wall(own: Own, sample: fields::Sample) -> vec3<f32> {
@@ -247,7 +256,12 @@ fn acceleration_of(a: u32) -> vec3<f32> {
 #ifdef BODIES
         let bodies = grid::row_of(body_starts, cells);
         for (var t = 0u; t < bodies.count; t++) {
-            samples += from_sample(own, fields::sample(grid::member(bodies, t)));
+            let k = grid::member(bodies, t);
+#ifdef QUASI_FLUID
+            samples += from_quasi_fluid(own, k, fields::sample(k));
+#else
+            samples += from_sample(own, fields::sample(k));
+#endif
         }
 #endif
     }

@@ -1,5 +1,6 @@
-// Force and torque of the fluid on each body. Sample k feels (1/G) m rho0 V_k sum_a P_a F x_ak: the opposite of what the
-// particles felt from it.
+// Force and torque of the fluid on each body. Sample k feels (1/G) m rho0 V_k sum_a (P_a + P_k) F x_ak, P_k being zero but for quasi-fluid: the opposite of what the
+// particles felt from it. Fluid that sticks to the body gives it the opposite of its drag too, at the place of the particle: to each
+// sample its share of the sum of V_k F that the drag is by, see body_drag.wgsl.
 //
 // body_load, body_sum: by the pressures, and how many samples the fluid reaches; of an incompressible fluid by those of the last substep.
 // body_push, body_answer: in an iteration of its divergence solve by the change of pressures, and how bodies answer.
@@ -8,6 +9,9 @@
 #import freshet::grid
 #import freshet::kernels
 #import freshet::swelling
+#ifdef QUASI_FLUID
+#import freshet::quasi_fluid
+#endif
 #import freshet::threads
 
 #ifndef BODY_SUM
@@ -37,6 +41,16 @@ fn load_sample(k: u32) {
     let inverse_radius = fields::parameters.inverse_support_radius;
     var sum = vec3<f32>(0.0);
     var wet = 0.0;
+#ifdef QUASI_FLUID
+    var shapes = 0.0;
+    var slopes = vec3<f32>(0.0);
+#endif
+#ifdef BODY_LOAD
+#ifdef STICKING_BODIES
+    var drag = vec3<f32>(0.0);
+    var drag_torque = vec3<f32>(0.0);
+#endif
+#endif
     for (var row = 0u; row < 9u; row++) {
         let reached = grid::reached(place, row);
         let around = grid::row_of(0u, grid::cells_of(extent, place.cell, row, reached.x, reached.y));
@@ -45,11 +59,36 @@ fn load_sample(k: u32) {
             let x = grid::difference(fields::sorted_position(a), position);
             let q = length(x) * inverse_radius;
             wet = select(wet, 1.0, q < 1.0);
-            sum += (pressure_of(a) * kernels::slope_over_q(q)) * x;
+            let slope = kernels::slope_over_q(q);
+            sum += (pressure_of(a) * slope) * x;
+#ifdef QUASI_FLUID
+            shapes += kernels::shape(q);
+            slopes += slope * x;
+#endif
+#ifdef BODY_LOAD
+#ifdef STICKING_BODIES
+            if (fields::contact_body(a) == body + 1u) {
+                let share = slope * fields::contact_force(a);
+                drag += share;
+                drag_torque += cross(arm + x, share);
+            }
+#endif
+#endif
         }
     }
-    let force = (fields::parameters.body_force_scale * swelling::weight(k, body)) * sum;
-    fields::set_sample_load(k, force, cross(arm, force), wet);
+#ifdef QUASI_FLUID
+    sum += quasi_fluid::pressure_term(k, body, shapes) * slopes;
+#endif
+    let weight = swelling::weight(k, body);
+    var force = (fields::parameters.body_force_scale * weight) * sum;
+    var torque = cross(arm, force);
+#ifdef BODY_LOAD
+#ifdef STICKING_BODIES
+    force += weight * drag;
+    torque += weight * drag_torque;
+#endif
+#endif
+    fields::set_sample_load(k, force, torque, wet);
 }
 #endif
 #endif

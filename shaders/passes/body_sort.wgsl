@@ -1,8 +1,10 @@
 // Moves the bodies' samples to where the bodies are and sorts them by cell, by their number within a cell, on the grid of
-// the particles. The same counting sort as sort.wgsl, on another section of the cell tables.
+// the particles. The same counting sort as sort.wgsl, on another section of the cell tables. Then densities and pressures of quasi-fluid
+// samples: rho_k = own_k rho0 + (m/S) sum_a W_ak (freshet_core::sampling::quasi_fluid).
 
 #import freshet::bindings as fields
 #import freshet::grid
+#import freshet::kernels
 #import freshet::swelling
 #import freshet::threads
 
@@ -65,6 +67,23 @@ fn body_sort_scatter(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_inv
 }
 #endif
 
+// Where a sample is among the sorted ones; NOWHERE for one that is kept out of the grid.
+const NOWHERE: u32 = 0xffffffffu;
+
+fn sorted_place(k: u32) -> u32 {
+    let cell = sample_cell(k);
+    if (cell == fields::parameters.cells) {
+        return NOWHERE;
+    }
+    let first = fields::cell_start(fields::parameters.body_starts + cell);
+    let end = fields::cell_start(fields::parameters.body_starts + cell + 1u);
+    var rank = 0u;
+    for (var other = first; other < end; other++) {
+        rank += select(0u, 1u, fields::body_slot(other - fields::parameters.first_body_sample) < k);
+    }
+    return first + rank;
+}
+
 #ifdef BODY_SORT_REORDER
 @compute @workgroup_size(#{WORKGROUP_SIZE})
 fn body_sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
@@ -73,20 +92,45 @@ fn body_sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_inv
         return;
     }
     let k = fields::body_slot(slot);
-    let cell = sample_cell(k);
-    if (cell == fields::parameters.cells) {
+    let sorted = sorted_place(k);
+    if (sorted == NOWHERE) {
         return;
     }
-    let first = fields::cell_start(fields::parameters.body_starts + cell);
-    let end = fields::cell_start(fields::parameters.body_starts + cell + 1u);
-    var rank = 0u;
-    for (var other = first; other < end; other++) {
-        rank += select(0u, 1u, fields::body_slot(other - fields::parameters.first_body_sample) < k);
-    }
     let body = fields::body_of_sample(k);
-    fields::set_sample(first + rank, vec4<f32>(place(k), swelling::weight(k, body)));
-#ifdef INCOMPRESSIBLE
-    fields::set_sample_arm(first + rank, swelling::arm(k, body), body);
+    fields::set_sample(sorted, vec4<f32>(place(k), swelling::weight(k, body)));
+#ifdef SAMPLE_ARMS
+    fields::set_sample_arm(sorted, swelling::arm(k, body), body);
 #endif
+}
+#endif
+
+#ifdef BODY_DENSITY
+#import freshet::quasi_fluid
+
+// Pressures of quasi-fluid samples, and zeros for the others, beside the sorted samples.
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn body_density(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let k = threads::thread_index(group, local);
+    if (k >= fields::parameters.body_samples) {
+        return;
+    }
+    let sorted = sorted_place(k);
+    if (sorted == NOWHERE) {
+        return;
+    }
+    let position = place(k);
+    let start = grid::place_of(position);
+    let extent = grid::shape();
+    let inverse_radius = fields::parameters.inverse_support_radius;
+    var shapes = 0.0;
+    for (var row = 0u; row < 9u; row++) {
+        let reached = grid::reached(start, row);
+        let around = grid::row_of(0u, grid::cells_of(extent, start.cell, row, reached.x, reached.y));
+        for (var t = 0u; t < around.count; t++) {
+            let x = grid::difference(fields::sorted_position(grid::member(around, t)), position);
+            shapes += kernels::shape(length(x) * inverse_radius);
+        }
+    }
+    fields::set_sample_pressure(sorted, quasi_fluid::pressure_term(k, fields::body_of_sample(k), shapes));
 }
 #endif

@@ -46,7 +46,7 @@ fn begin_tick() {
 
 #ifdef STEP_CONTROL
 // The substep that covers what remains in equal parts no longer than the limit: freshet_core::plan::Parameters.
-fn choose_substep(remaining: f32, max_speed: f32, max_acceleration: f32) -> f32 {
+fn choose_substep(remaining: f32, max_speed: f32, max_acceleration: f32, drag_limit: f32) -> f32 {
 #ifdef INCOMPRESSIBLE
     let way = fields::parameters.longest_way;
     let courant = way / max(max_speed, 1e-12);
@@ -60,8 +60,19 @@ fn choose_substep(remaining: f32, max_speed: f32, max_acceleration: f32) -> f32 
     let force = fields::parameters.force_factor * sqrt(h / max(max_acceleration, 1e-12));
     let limit = min(min(courant, force), fields::parameters.viscous_limit);
 #endif
-    return remaining / max(ceil(remaining / limit - 1e-3), 1.0);
+    return remaining / max(ceil(remaining / min(limit, drag_limit) - 1e-3), 1.0);
 }
+
+#ifdef STICKING_BODIES
+// The substep that the drag on a body allows: freshet_core::plan::Parameters::drag_limit.
+fn drag_limit_of(body: u32) -> f32 {
+    let inertia = fields::body_inverse_inertia(body);
+    let reach = fields::body_reach(body);
+    let longest = max(dot(inertia[0], inertia[0]), max(dot(inertia[1], inertia[1]), dot(inertia[2], inertia[2])));
+    let answer = max(fields::body_inverse_mass(body), reach * reach * sqrt(longest));
+    return 1.0 / max(fields::parameters.sample_drag * f32(fields::body_sample_count(body)) * answer, 1e-30);
+}
+#endif
 
 #ifdef INCOMPRESSIBLE
 // Begins the solves of a substep, if it is long enough for anything to move. The next substep waits for their end.
@@ -104,18 +115,22 @@ fn step_control() {
     // With those bodies that touch the fluid.
     var flow_speed = max_speed;
 #endif
+    var drag_limit = 3.4e38;
 #ifdef BODIES
     for (var body = 0u; body < fields::parameters.bodies; body++) {
         // What no sample is faster than.
         let speed = length(fields::body_linear_velocity(body) + fields::body_drift(body))
             + length(fields::body_angular_velocity(body) + fields::body_turn(body)) * fields::body_reach(body);
         max_speed = max(max_speed, speed);
+#ifdef STICKING_BODIES
+        drag_limit = min(drag_limit, drag_limit_of(body));
+#endif
 #ifdef INCOMPRESSIBLE
         flow_speed = max(flow_speed, select(0.0, speed, fields::touching(body) > 0u));
 #endif
     }
 #endif
-    let substep = choose_substep(fields::control.remaining, max_speed, max_acceleration);
+    let substep = choose_substep(fields::control.remaining, max_speed, max_acceleration, drag_limit);
 
     let live = fields::control.live;
     let low = atomicExchange(&fields::control.compression_low, 0u);

@@ -54,6 +54,8 @@ pub mod library {
         ROTATION = "rotation.wgsl",
         /// Samples of bodies that swell.
         SWELLING = "swelling.wgsl",
+        /// Pressures of quasi-fluid samples.
+        QUASI_FLUID = "quasi_fluid.wgsl",
     }
 }
 
@@ -72,6 +74,8 @@ pub mod passes {
         DENSITY = "density.wgsl",
         /// Acceleration.
         ACCELERATION = "acceleration.wgsl",
+        /// Fluid that sticks to bodies.
+        BODY_DRAG = "body_drag.wgsl",
         /// Force and torque on bodies.
         BODY_LOAD = "body_load.wgsl",
         /// Who touches bodies of an incompressible fluid.

@@ -61,6 +61,51 @@ fn a_ball_comes_late_and_leaves_early() {
     }
 }
 
+/// A ball of half the water's density that drops half a radius to the surface, six spacings wide, in a domain with settings of its own.
+fn quasi_fluid_ball(test: &mut TestApp, domain: FluidDomain) -> (Entity, Entity) {
+    let domain = test.spawn(domain);
+    test.spawn((FluidContainer::open_box(0.8, 1.2, 0.8), Transform::from_xyz(0.4, 0.6, 0.4)));
+    test.spawn((FluidVolume::from(Cuboid::new(0.8, 0.4, 0.8)), Transform::from_xyz(0.4, 0.2, 0.4)));
+    let ball = (
+        RigidBody::Dynamic,
+        Collider::ball(RADIUS),
+        ColliderMassProperties::Density(500.0),
+        FluidBody::quasi_fluid(),
+        Transform::from_xyz(0.4, 0.4 + 1.5 * RADIUS, 0.4),
+    );
+    (domain, test.spawn(ball))
+}
+
+#[test]
+fn a_ball_of_quasi_fluid_floats_and_may_become_one_of_a_single_layer() {
+    for choice in [ALL[0], ALL[2]] {
+        let mut test = TestApp::new();
+        let domain = FluidDomain::with_spacing(0.05).on(choice.0).in_mode(choice.1);
+        let (domain, ball) = quasi_fluid_ball(&mut test, domain);
+        test.tick(60);
+        let layers = contact(&mut test, ball).samples;
+        test.world().get_mut::<FluidBody>(ball).expect("spawned with it").sampling = FluidBodySampling::SingleLayer;
+        test.tick(10);
+        let single = contact(&mut test, ball).samples;
+        assert!(layers > single, "{choice:?}: {layers} samples of three layers, {single} of one");
+        assert_eq!(test.settle(domain).removed, 0, "{choice:?}");
+        test.expect_no_complaints();
+        let height = test.world().get::<Transform>(ball).expect("a body has a pose").translation.y;
+        assert!(height > 0.3 && height < 0.5, "{choice:?}: it floats, not at {height}");
+    }
+}
+
+#[test]
+fn a_body_of_quasi_fluid_in_an_incompressible_one_is_refused() {
+    let mut test = TestApp::new();
+    let (_, ball) = quasi_fluid_ball(&mut test, incompressible(0.05, ALL[0]));
+    test.tick(3);
+    let complaints = test.complaints();
+    assert_eq!(complaints.len(), 1, "{complaints:?}");
+    assert_eq!((complaints[0].entity, complaints[0].component), (ball, "FluidBody"));
+    assert!(complaints[0].message.contains("pressure_solver"), "{complaints:?}");
+}
+
 #[test]
 fn a_body_that_cannot_be_sampled_is_refused() {
     let mut test = TestApp::new();

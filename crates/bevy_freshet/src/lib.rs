@@ -19,7 +19,7 @@ pub mod simulation;
 
 /// What most programs need; every name begins with `Fluid` or `Freshet`.
 pub mod prelude {
-    pub use crate::components::body::FluidBody;
+    pub use crate::components::body::{FluidBody, FluidBodySampling};
     pub use crate::components::boundary::{FluidBoundary, FluidBoundaryShape, FluidBoundarySide};
     pub use crate::components::boundary_mesh::FluidMesh;
     pub use crate::components::contact::{FluidContact, FluidEntered, FluidLeft};

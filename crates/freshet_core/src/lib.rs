@@ -49,7 +49,8 @@ pub mod prelude {
     pub use crate::relaxation::Relaxation;
     pub use crate::run::SceneRun;
     pub use crate::scene::{
-        Body, Boundary, BoundaryShape, FluidScene, FluidSide, Friction, Resolution, Settings, Shape, Support, Volume,
+        Body, BodySampling, Boundary, BoundaryShape, FluidScene, FluidSide, Friction, Resolution, Settings, Shape,
+        Support, Volume,
     };
     pub use crate::snapshot::Snapshot;
     pub use crate::solid::{Solid, SolidShape};

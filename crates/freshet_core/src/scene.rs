@@ -219,6 +219,35 @@ pub struct Body {
     /// [swell](crate::swelling) and push it out.
     #[serde(default)]
     pub at_once: bool,
+    /// What its samples are.
+    #[serde(default)]
+    pub sampling: BodySampling,
+}
+
+/// What the samples of a body are to the fluid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum BodySampling {
+    /// One layer that stands for all of the body, with weights for that (Akinci et al. 2012); see
+    /// [`WallLayer`](crate::sampling::wall_layer::WallLayer).
+    #[default]
+    SingleLayer,
+    /// Three layers, each of the fluid's own spacing and volume, with densities and pressures of their own; see
+    /// [`quasi_fluid`](crate::sampling::quasi_fluid) and [`Body::quasi_fluid`]. Weakly compressible fluids of one width of support only, without
+    /// a viscosity model.
+    QuasiFluid {
+        /// How many of the samples are in the first, second and third layer, in their order.
+        layers: [u32; 3],
+    },
+}
+
+impl BodySampling {
+    /// Name, as in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SingleLayer => "single layer",
+            Self::QuasiFluid { .. } => "quasi-fluid",
+        }
+    }
 }
 
 /// How wide the kernels reach (P §4.1.4, eq. 4.1).
@@ -520,7 +549,7 @@ impl Body {
         let boundary = Boundary::new(shape, Vec3::ZERO);
         boundary.validate()?;
         let samples = sample_boundary(&boundary, layer)?;
-        Ok(Self { name: name.to_owned(), samples, solids: boundary.solids(layer), at_once: false })
+        Ok(Self { name: name.to_owned(), samples, solids: boundary.solids(layer), ..Self::default() })
     }
 
     fn validate(&self) -> Result<(), InvalidInput> {
@@ -530,6 +559,13 @@ impl Body {
         for (index, &sample) in self.samples.iter().enumerate() {
             check_position("sample", sample)
                 .map_err(|error| InvalidInput { field: format!("samples[{index}]"), ..error })?;
+        }
+        if let BodySampling::QuasiFluid { layers } = self.sampling {
+            let (sum, count) = (layers.iter().map(|&count| u64::from(count)).sum::<u64>(), self.samples.len());
+            if sum != count as u64 {
+                let allowed = format!("layers that are {count} together, as there are so many samples");
+                return Err(InvalidInput::new("sampling.layers", format_args!("{layers:?}"), allowed));
+            }
         }
         if self.solids.len() > MAX_OBJECTS {
             let value = format!("{} of them", self.solids.len());

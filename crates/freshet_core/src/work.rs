@@ -97,6 +97,8 @@ impl Work {
             // Of particles beside such walls only.
             StageKind::Friction
             | StageKind::BodySort
+            | StageKind::BodyDensity
+            | StageKind::BodyDrag
             | StageKind::BodyLoad
             | StageKind::StepControl
             | StageKind::BodyMotion => Self::default(),

@@ -18,6 +18,8 @@ pub struct SortedSamples {
     pub viscous_volume: Vec<f32>,
     /// Volume weights times the coefficients of friction of what sticks and of what slides, m3, padded; empty if there is none.
     pub friction: [Vec<f32>; 2],
+    /// `p / rho^2`, m5/(kg s2), padded: of quasi-fluid samples, zero for the others; empty if there are none.
+    pub pressure_term: Vec<f32>,
     /// Velocities, m/s, padded; one array of zeros for all axes if none moves.
     velocity: Vec<Vec<f32>>,
     /// Index of each sample in the order given.
@@ -129,7 +131,7 @@ impl SortedSamples {
 
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
-        let weights = [&self.volume, &self.viscous_volume];
+        let weights = [&self.volume, &self.viscous_volume, &self.pressure_term];
         let reals: usize =
             self.position.iter().chain(weights).chain(&self.friction).chain(&self.velocity).map(Vec::capacity).sum();
         4 * (reals + self.source.capacity() + self.starts.capacity()) as u64

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use freshet_core::field::{Field, FieldData};
 use freshet_core::kernel::Kernel;
 use freshet_core::misplaced::Misplaced;
-use freshet_core::plan::{Plan, StageKind};
+use freshet_core::plan::{Parameters, Plan, StageKind};
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::relaxation::relax;
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
@@ -27,6 +27,7 @@ use crate::candidates::Candidates;
 use crate::lanes::PADDING;
 use crate::particles::Particles;
 use crate::passes::acceleration::Maxima;
+use crate::passes::body_drag::Drag;
 use crate::passes::body_motion::{MovingBody, remember};
 use crate::passes::body_sort::BodySamples;
 use crate::passes::commands::Population;
@@ -123,6 +124,8 @@ pub struct CpuSolver {
     /// On each of these samples, N: in the order of slots, and in the bodies' own.
     sorted_forces: Vec<Vec3>,
     forces: Vec<Vec3>,
+    /// Of each chunk, of plans in which fluid sticks to bodies.
+    drags: Vec<Vec<Drag>>,
     /// On each body.
     loads: Vec<Load>,
     exchanges: Vec<[Exchange; 4]>,
@@ -232,6 +235,7 @@ impl CpuSolver {
             slots: Vec::new(),
             sorted_forces: Vec::new(),
             forces: Vec::new(),
+            drags: Vec::new(),
             loads: Vec::new(),
             exchanges: Vec::new(),
             poses: Vec::new(),
@@ -301,7 +305,7 @@ impl CpuSolver {
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
         self.workspaces = self.workers.spaces();
         self.bodies = Vec::new();
-        (self.slots, self.sorted_forces, self.forces) = Default::default();
+        (self.slots, self.sorted_forces, self.forces, self.drags) = Default::default();
         self.measure_memory();
     }
 
@@ -346,7 +350,9 @@ impl CpuSolver {
                 + size_of::<Option<BodyPose>>() * self.poses.capacity()
                 + size_of::<Range<usize>>() * self.slots.capacity()
                 + size_of::<Vec3>() * (self.sorted_forces.capacity() + self.forces.capacity())
-                + size_of::<Load>() * self.loads.capacity();
+                + size_of::<Load>() * self.loads.capacity()
+                + size_of::<Vec<Drag>>() * self.drags.capacity()
+                + size_of::<Drag>() * self.drags.iter().map(Vec::capacity).sum::<usize>();
             let bytes = self.body_samples.bytes() + self.solve.bodies.bytes() + states as u64;
             self.schedule.buffers.push(schedule::buffer("bodies", bytes, false));
         }
@@ -484,19 +490,32 @@ impl CpuSolver {
         let gone = tally.timed("sort", || self.sort());
         tally.dropped = tally.dropped.and(gone);
         if self.plan.has(StageKind::BodySort) {
-            tally.timed("body_sort", || self.body_samples.update(&self.plan.grid, &self.plan.bodies, &self.bodies));
+            let solves = self.plan.has(StageKind::DivergenceSolve);
+            tally.timed("body_sort", || {
+                self.body_samples.update(&self.plan.grid, &self.plan.bodies, &self.bodies);
+                if solves || self.plan.has(StageKind::BodyDrag) {
+                    self.body_samples.find_arms(&self.bodies);
+                }
+            });
         }
         if self.plan.has(StageKind::Support) {
             tally.timed("support", || self.support_stage());
         }
         let compression = tally.timed("density", || self.density_stage());
+        if self.plan.has(StageKind::BodyDensity) {
+            tally.timed("body_density", || self.body_density_stage());
+        }
         let maxima = tally.timed("acceleration", || self.acceleration_stage());
+        if self.plan.has(StageKind::BodyDrag) {
+            tally.timed("body_drag", || self.body_drag_stage());
+        }
         self.loads.clear();
         if self.plan.has(StageKind::BodyLoad) {
             tally.timed("body_load", || match self.plan.parameters.pressure_solver {
                 PressureSolver::WeaklyCompressible => self.body_load_stage(),
                 PressureSolver::DivergenceFree(_) => self.body_touch_stage(),
             });
+            self.add_drags();
             if tally.substeps == 0 || self.bodies.iter().any(|body| body.swollen < 1.0) {
                 let (grid, starts) = (&self.plan.grid, &self.sorter.starts);
                 let count = || self.body_samples.count_wetted(grid, starts, &self.particles, &mut self.wetted);
@@ -509,7 +528,9 @@ impl CpuSolver {
     /// The length of a substep from a state, s.
     fn length(&self, found: &Found, remaining: f32, tally: &mut Tally) -> f32 {
         tally.timed("step_control", || {
-            step_control::substep(&self.plan.parameters, &found.maxima, &self.bodies, self.gravity, remaining)
+            let bodies = (&*self.plan.bodies, &*self.bodies);
+            let limit = step_control::limit(&self.plan.parameters, &found.maxima, bodies, self.gravity);
+            Parameters::equal_substep(remaining, limit)
         })
     }
 

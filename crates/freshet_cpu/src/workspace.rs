@@ -3,6 +3,7 @@
 use crate::candidates::Candidates;
 use crate::lanes::Sums;
 use crate::packed::Packed;
+use crate::passes::body_drag::Contact;
 
 /// Candidates of one cell packed in the ways of the passes, and its particles' sums. What a plan does not use takes no memory.
 #[derive(Default)]
@@ -13,7 +14,7 @@ pub struct Workspace {
     pub calm: Packed<4>,
     /// With a motion.
     pub moving: Packed<6>,
-    /// Samples that drag by artificial viscosity, or with friction.
+    /// Samples that drag by artificial viscosity, with friction, or with a pressure.
     pub dragging: Packed<5>,
     /// Samples that drag by a physical viscosity; fluid with its motion and density.
     pub sticking: Packed<7>,
@@ -25,6 +26,8 @@ pub struct Workspace {
     pub sums: Sums,
     /// Of particles, over the walls.
     pub wall_sums: Sums,
+    /// Of particles, with bodies they stick to.
+    pub contacts: Vec<Contact>,
     /// Around a body's samples.
     pub candidates: Candidates,
 }
@@ -32,9 +35,11 @@ pub struct Workspace {
 impl Workspace {
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
-        let Self { places, calm, moving, dragging, sticking, viscous, wide, sums, wall_sums, candidates } = self;
+        let Self { places, calm, moving, dragging, sticking, viscous, wide, sums, wall_sums, contacts, candidates } =
+            self;
         let packed =
             places.bytes() + calm.bytes() + moving.bytes() + dragging.bytes() + sticking.bytes() + viscous.bytes();
-        packed + wide.bytes() + sums.bytes() + wall_sums.bytes() + candidates.bytes()
+        let contacts = (size_of::<Contact>() * contacts.capacity()) as u64;
+        packed + wide.bytes() + sums.bytes() + wall_sums.bytes() + contacts + candidates.bytes()
     }
 }

@@ -13,7 +13,7 @@ use crate::layout::{
 use crate::memory::{Held, Memory, TEXEL_BYTES, write_texels};
 use crate::options::GpuOptions;
 use crate::parameters::parameters;
-use crate::passes::{Arguments, answering_bodies, incompressible, solve_words};
+use crate::passes::{Arguments, answering_bodies, incompressible, sample_arms, solve_words};
 
 /// Ticks that can be prepared without their report being collected.
 pub(crate) const TICK_SLOTS: usize = 8;
@@ -72,6 +72,7 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
             Binding::Motions | Binding::Solves => incompressible(plan),
             Binding::Drifts => plan.has(StageKind::Xsph),
             Binding::Widths => plan.has(StageKind::Support),
+            Binding::Contacts => plan.has(StageKind::BodyDrag),
             _ => true,
         };
         asked_for && binding.memory() == *binding
@@ -85,8 +86,9 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     need(Binding::CellCounts, 4 * u64::from(tables.counts), state);
     need(Binding::CellStarts, 4 * u64::from(tables.starts), state);
     let moving = plan.body_samples();
-    let arms = if answering_bodies(plan) { moving } else { 0 };
-    let samples = first_body_sample(plan) + moving + arms;
+    // Plans have the one or the other.
+    let beside = if sample_arms(plan) || plan.has(StageKind::BodyDensity) { moving } else { 0 };
+    let samples = first_body_sample(plan) + moving + beside;
     if samples > 0 {
         need(Binding::Samples, bytes(16, samples), state);
     }
@@ -271,12 +273,14 @@ fn body_records(plan: &Plan) -> (Vec<BodySampleRecord>, Vec<BodyRecord>) {
             swelling_reach: body.swelling_reach,
             ..Default::default()
         });
-        let weighted = body.samples.iter().zip(&body.volumes).zip(&body.roots);
-        samples.extend(weighted.map(|((&offset, &volume), &root)| BodySampleRecord {
+        let weighted = body.samples.iter().zip(&body.volumes).zip(&body.roots).enumerate();
+        samples.extend(weighted.map(|(k, ((&offset, &volume), &root))| BodySampleRecord {
             offset,
             volume,
             root,
             body: index as u32,
+            own_density: body.own_densities.get(k).copied().unwrap_or(-1.0),
+            ..Default::default()
         }));
     }
     (samples, bodies)

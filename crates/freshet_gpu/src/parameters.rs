@@ -121,6 +121,8 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         longest_correction: DivergenceFree::LONGEST_CORRECTION * p.spacing,
         swelling_way: p.swelling_way(),
         elsewhere: 0.5 * p.spacing,
+        particle_mass: p.particle_mass,
+        sample_drag: 2.0 * p.dynamic_viscosity * p.spacing,
         ..Default::default()
     }
 }

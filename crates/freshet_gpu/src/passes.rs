@@ -117,6 +117,11 @@ pub(crate) fn answering_bodies(plan: &Plan) -> bool {
     incompressible(plan) && !plan.bodies.is_empty()
 }
 
+/// Whether passes need to know where sorted samples of bodies are from which body's centre of mass.
+pub(crate) fn sample_arms(plan: &Plan) -> bool {
+    answering_bodies(plan) || plan.has(StageKind::BodyDrag)
+}
+
 /// Words of each particle in [`Binding::Solves`].
 pub(crate) fn solve_words(plan: &Plan) -> u32 {
     if plan.bodies.is_empty() { 8 } else { 10 }
@@ -295,11 +300,42 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(plan.has(StageKind::Support), uses, &[(B::Widths, Read)]);
             vec![with_words(3, pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses))]
         }
+        StageKind::BodyDensity => vec![pass(
+            "body_density",
+            passes::BODY_SORT,
+            Arguments::Samples,
+            &[
+                (B::Bodies, Read),
+                (B::BodySamples, Read),
+                (B::CellStarts, Read),
+                (B::BodySlots, Read),
+                (B::SortedPositions, Read),
+                (B::Samples, Write),
+            ],
+        )],
+        StageKind::BodyDrag => vec![pass(
+            "body_drag",
+            passes::BODY_DRAG,
+            Arguments::Particles,
+            &[
+                (B::SortedPositions, Read),
+                (B::CellStarts, Read),
+                (B::Samples, Read),
+                (B::SortedVelocities, Read),
+                (B::Bodies, Read),
+                (B::Control, Read),
+                (B::Accelerations, Write),
+                (B::Contacts, Write),
+            ],
+        )],
         StageKind::BodyLoad => {
             let sums = with(solves, vec![(B::Bodies, Write)], &[(B::Answers, Write)]);
             let pressures = if solves { B::Solves } else { B::Densities };
             let dispatches = [Arguments::Samples, Arguments::Bodies];
             let mut load = loads(["body_load", "body_sum"], dispatches, pressures, &sums).to_vec();
+            if plan.has(StageKind::BodyDrag) {
+                load[0].uses.push((B::Contacts, Read));
+            }
             if solves {
                 let uses = with(true, touches, &[(B::Bodies, Read), (B::Solves, Write)]);
                 load.push(with_words(2, pass("body_touch", passes::BODY_TOUCH, Arguments::Particles, &uses)));

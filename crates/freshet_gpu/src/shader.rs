@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::kernel::KernelKind;
-use freshet_core::plan::Plan;
+use freshet_core::plan::{Plan, StageKind};
 use freshet_core::solver::SolverError;
 use freshet_core::variable_support::EVALUATIONS;
 use freshet_shaders::library;
@@ -16,7 +16,7 @@ use crate::cells::WallDrag;
 use crate::fine_grid::CELLS_PER_RADIUS;
 use crate::layout::bindings_module;
 use crate::options::GpuOptions;
-use crate::passes::{Arguments, Pass, incompressible, moving_walls, needs_velocities, solve_words};
+use crate::passes::{Arguments, Pass, incompressible, moving_walls, needs_velocities, sample_arms, solve_words};
 
 /// Cells that a workgroup of the prefix sum handles.
 pub(crate) const SCAN_BLOCK: u32 = 1024;
@@ -68,6 +68,9 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("STICKING_WALLS", drag == WallDrag::Morris),
         ("MOVING_WALLS", moving_walls(plan)),
         ("INCOMPRESSIBLE", incompressible(plan)),
+        ("SAMPLE_ARMS", sample_arms(plan)),
+        ("QUASI_FLUID", plan.has(StageKind::BodyDensity)),
+        ("STICKING_BODIES", plan.has(StageKind::BodyDrag)),
         ("PERIODIC", plan.grid.periodic.any()),
         ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),
     ] {

@@ -3,13 +3,14 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
+use clap::ValueEnum;
 use freshet_core::field::Field;
 use freshet_core::plan::Plan;
 use freshet_core::run::SceneRun;
 use freshet_core::scene::{Boundary, FluidScene, Volume};
 use freshet_core::solver::{FluidSolver, SolverError};
 use freshet_core::step::{Impulse, StepReport};
-use freshet_rapier::{Coupling, RapierView, body_from_rigid_body};
+use freshet_rapier::{Coupling, RapierView, body_from_rigid_body, quasi_fluid_from_rigid_body};
 use glam::Vec3;
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodyType};
 use rapier3d::geometry::ColliderBuilder;
@@ -26,6 +27,35 @@ use crate::scenes::GRAVITY;
 pub const TICK: f64 = 1.0 / 60.0;
 /// Diameter of the bodies, D, m.
 pub const DIAMETER: f32 = 0.3;
+
+/// How bodies are in a fluid: value of `--bodies`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum BodyMethod {
+    /// One weighted layer of samples, by DFSPH.
+    #[default]
+    DivergenceFree,
+    /// One weighted layer of samples, in a weakly compressible fluid.
+    WeaklyCompressible,
+    /// Three layers of quasi-fluid, in a weakly compressible fluid.
+    QuasiFluid,
+}
+
+impl BodyMethod {
+    /// What is added to the names of files.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::DivergenceFree => "",
+            Self::WeaklyCompressible => "_wcsph",
+            Self::QuasiFluid => "_quasi_fluid",
+        }
+    }
+
+    /// The option that asks for it, with a space before; nothing for the default.
+    pub fn option(self) -> String {
+        let name = self.to_possible_value().filter(|_| self != Self::default());
+        name.map_or_else(String::new, |name| format!(" --bodies {}", name.get_name()))
+    }
+}
 
 /// An open tank around the origin, its floor at y = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,7 +129,7 @@ pub struct Afloat {
 }
 
 impl Afloat {
-    /// A scene with these bodies of a world in it. Rapier hears of impulses `latency` ticks late, 0 to 3; 0 is lockstep.
+    /// A scene with these bodies of a world in it, in the way that the job says. Rapier hears of impulses `latency` ticks late, 0 to 3; 0 is lockstep.
     pub fn open(
         job: &Job,
         mut scene: FluidScene,
@@ -107,9 +137,16 @@ impl Afloat {
         bodies: &[RigidBodyHandle],
         latency: u64,
     ) -> Result<Self, LabError> {
+        if job.bodies != BodyMethod::DivergenceFree {
+            scene = Method::WeaklyCompressible.on(scene);
+        }
+        let sample = match job.bodies {
+            BodyMethod::QuasiFluid => quasi_fluid_from_rigid_body,
+            _ => body_from_rigid_body,
+        };
         let layer = scene.wall_layer()?;
         for (index, &handle) in bodies.iter().enumerate() {
-            let body = body_from_rigid_body(&format!("body {index}"), &world.bodies[handle], &world.colliders, &layer);
+            let body = sample(&format!("body {index}"), &world.bodies[handle], &world.colliders, &layer);
             scene.bodies.push(body.map_err(refused)?);
         }
         let solver = job.backend.open(Plan::new(&scene)?, job.threads.count())?;
@@ -120,7 +157,7 @@ impl Afloat {
             coupling: Coupling::new(bodies.iter().copied(), 0),
             clock: SceneRun::new(),
             late: VecDeque::new(),
-            latency,
+            latency: if job.lockstep { 0 } else { latency },
             ticks: 0,
             account: Account::default(),
         })

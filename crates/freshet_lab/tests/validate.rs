@@ -1,20 +1,25 @@
 //! Cases of `validate` in their quick form, with their own bounds: those that keep them.
 
+use freshet_lab::afloat::BodyMethod;
 use freshet_lab::backend::Backend;
 use freshet_lab::commands::validate::{CASES, Job};
 use freshet_lab::error::LabError;
 use freshet_lab::output::Output;
 
 fn assert_passes(name: &str, backend: Backend) -> Result<(), LabError> {
+    assert_passes_with(name, backend, BodyMethod::default(), false)
+}
+
+fn assert_passes_with(name: &str, backend: Backend, bodies: BodyMethod, lockstep: bool) -> Result<(), LabError> {
     let folder = std::env::temp_dir().join(format!("freshet_lab_validate_{name}_{backend}_{}", std::process::id()));
     let output = Output::new(&folder)?;
-    let job = Job { backend, quick: true, threads: Default::default(), output };
+    let job = Job { backend, quick: true, threads: Default::default(), bodies, lockstep, output };
     let case = CASES.iter().find(|case| case.name == name).unwrap_or_else(|| panic!("no case {name}"));
     let found = (case.run)(&job)?;
     println!("{}", found.verdict);
     assert!(found.verdict.passes() && !found.verdict.checks.is_empty(), "\n{}", found.verdict);
     for file in ["csv", "svg"] {
-        let path = job.output.path(&format!("{name}.{file}"));
+        let path = job.output.path(&format!("{name}{}.{file}", job.suffix()));
         assert!(std::fs::read_to_string(&path).map_err(LabError::file(&path))?.len() > 1000, "{}", path.display());
     }
     std::fs::remove_dir_all(&folder).map_err(LabError::file(&folder))
@@ -36,6 +41,23 @@ fn flow_under_a_force_becomes_a_parabola() -> Result<(), LabError> {
 fn a_plate_drags_a_fluid_along() -> Result<(), LabError> {
     assert_passes("couette", Backend::Cpu)?;
     assert_passes("couette", Backend::Gpu)
+}
+
+#[test]
+fn a_ball_of_quasi_fluid_bobs_as_long_as_it_should() -> Result<(), LabError> {
+    assert_passes_with("heave", Backend::Cpu, BodyMethod::QuasiFluid, false)
+}
+
+/// Two ticks late the lightest cube goes on bobbing in a weakly compressible fluid, whatever its samples.
+#[test]
+fn balls_and_cubes_of_quasi_fluid_float_as_deep_as_they_should() -> Result<(), LabError> {
+    assert_passes_with("draft", Backend::Cpu, BodyMethod::QuasiFluid, true)
+}
+
+#[test]
+fn a_ball_that_turns_feels_the_torque_of_a_viscous_fluid() -> Result<(), LabError> {
+    assert_passes("spin", Backend::Cpu)?;
+    assert_passes("spin", Backend::Gpu)
 }
 
 #[test]

@@ -28,6 +28,6 @@ pub use body_coupling::BodyCoupling;
 pub use coupling::Coupling;
 pub use error::CouplingError;
 pub use ledger::{Ledger, Momentum};
-pub use sampling::{SamplingError, body_from_rigid_body, sample_shape};
+pub use sampling::{SamplingError, body_from_rigid_body, quasi_fluid_from_rigid_body, sample_shape};
 pub use wake::WakeRule;
 pub use world::{RapierView, is_free};

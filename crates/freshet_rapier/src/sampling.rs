@@ -79,7 +79,22 @@ pub fn body_from_rigid_body(
         return Err(SamplingError::NoCollider { name: name.to_owned() });
     }
     let (samples, solids) = exposed(parts, layer);
-    Ok(Body { name: name.to_owned(), samples, solids, at_once: false })
+    Ok(Body { name: name.to_owned(), samples, solids, ..Body::default() })
+}
+
+/// The same with three layers of [quasi-fluid](freshet_core::sampling::quasi_fluid) samples.
+///
+/// # Errors
+/// As [`body_from_rigid_body`].
+pub fn quasi_fluid_from_rigid_body(
+    name: &str,
+    body: &RigidBody,
+    colliders: &ColliderSet,
+    layer: &WallLayer,
+) -> Result<Body, SamplingError> {
+    let [first, second, third] = layer.quasi_fluid();
+    let sampled = |layer| body_from_rigid_body(name, body, colliders, &layer);
+    Ok(Body::quasi_fluid([sampled(first)?, sampled(second)?, sampled(third)?], layer.spacing()))
 }
 
 /// A shape that is no compound.

@@ -20,4 +20,26 @@ use super::contact::FluidContact;
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[require(Transform, Velocity, ReadMassProperties, FluidContact)]
 #[non_exhaustive]
-pub struct FluidBody;
+pub struct FluidBody {
+    /// What its surface is sampled by.
+    pub sampling: FluidBodySampling,
+}
+
+impl FluidBody {
+    /// A body of three layers of quasi-fluid.
+    pub fn quasi_fluid() -> Self {
+        Self { sampling: FluidBodySampling::QuasiFluid }
+    }
+}
+
+/// What the surface of a [`FluidBody`] is sampled by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidBodySampling {
+    /// One layer of weighted samples: for every fluid.
+    #[default]
+    SingleLayer,
+    /// Three layers with densities and pressures of their own ([`freshet_core::sampling::quasi_fluid`]): weakly compressible fluids only, of one width
+    /// of support and without a viscosity model. With any other a [`FluidProblem`](super::problem::FluidProblem) says so.
+    QuasiFluid,
+}

@@ -25,7 +25,7 @@ mod walls;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::PhysicsSet;
 
-use crate::components::body::FluidBody;
+use crate::components::body::{FluidBody, FluidBodySampling};
 use crate::components::boundary::FluidBoundary;
 use crate::components::container::FluidContainer;
 use crate::components::domain::FluidDomain;
@@ -50,6 +50,7 @@ impl Plugin for FluidSimulationPlugin {
             .register_type::<FluidContainer>()
             .register_type::<FluidBoundary>()
             .register_type::<FluidBody>()
+            .register_type::<FluidBodySampling>()
             .register_type::<FluidInDomain>()
             .register_type::<FluidDomainMembers>()
             .register_type::<FluidStats>()

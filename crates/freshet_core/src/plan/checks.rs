@@ -6,7 +6,8 @@ use super::SceneError;
 use crate::error::InvalidInput;
 use crate::grid::Grid;
 use crate::periodic::{AXES, Periodic};
-use crate::scene::{FluidScene, MAX_PARTICLES};
+use crate::pressure_solver::PressureSolver;
+use crate::scene::{Body, BodySampling, FluidScene, MAX_PARTICLES};
 
 /// Refuses particles so far from the origin that `f32` cannot tell a sixty-fourth of their spacing.
 pub(super) fn check_precision(corner: Vec3, spacing: f32) -> Result<(), InvalidInput> {
@@ -18,6 +19,23 @@ pub(super) fn check_precision(corner: Vec3, spacing: f32) -> Result<(), InvalidI
         return Err(InvalidInput::new("resolution", format_args!("spacing {spacing} m"), allowed));
     }
     Ok(())
+}
+
+/// Refuses quasi-fluid bodies with what they do not go with.
+pub(super) fn check_quasi_fluid(scene: &FluidScene) -> Result<(), InvalidInput> {
+    let is_quasi_fluid = |body: &Body| matches!(body.sampling, BodySampling::QuasiFluid { .. });
+    let Some(index) = scene.bodies.iter().position(is_quasi_fluid) else { return Ok(()) };
+    let reason = if scene.settings.pressure_solver != PressureSolver::WeaklyCompressible {
+        "an incompressible settings.pressure_solver"
+    } else if scene.settings.widest_support != 1.0 {
+        "a settings.widest_support above 1"
+    } else if scene.physical_viscosity().is_some() {
+        "a settings.viscosity_model"
+    } else {
+        return Ok(());
+    };
+    let allowed = format!("SingleLayer, with {reason}");
+    Err(InvalidInput::new(format_args!("bodies[{index}].sampling"), "QuasiFluid", allowed))
 }
 
 /// Refuses particles that settle among bodies whose places are not known yet.

@@ -22,7 +22,8 @@ pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_v
 pub use self::stages::{Stage, StageKind};
 
 use self::checks::{
-    check_bounds, check_driven, check_particles_within, check_periods, check_precision, check_relaxation, max_particles,
+    check_bounds, check_driven, check_particles_within, check_periods, check_precision, check_quasi_fluid,
+    check_relaxation, max_particles,
 };
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
@@ -106,6 +107,7 @@ impl Plan {
         let reach = support_radius * settings.widest_support;
         check_periods(&periodic, reach)?;
         check_driven(scene)?;
+        check_quasi_fluid(scene)?;
         check_relaxation(scene)?;
 
         for (index, emitter) in scene.emitters.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! The numbers of a plan.
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 use crate::equation_of_state::PressureLaw;
 use crate::error::InvalidInput;
@@ -132,6 +132,21 @@ impl Parameters {
         let artificial = self.artificial_viscosity * self.sound_speed * self.smoothing_length / 10.0;
         let nu = artificial + self.dynamic_viscosity / self.rest_density;
         self.viscous_factor * self.smoothing_length * self.smoothing_length / nu.max(1e-12)
+    }
+
+    /// The substep allowed by how fluid drags a body of so many samples that reach so far, m: what a light body gets from the fluid that
+    /// sticks to it must not make it faster than that. Infinite without a viscosity model, and for what nothing moves.
+    ///
+    /// For each sample there is about a particle half a spacing off the surface, which gives the body `mu d` of the difference of their
+    /// velocities over that half spacing, `2 mu d` in all: `sum_k 2 mu d (1/M + r_k^2/I) dt` must stay below 2. The turning part is
+    /// taken as that of samples all as far off as the farthest; the larger of both parts counts, as a body turns about its axis by
+    /// what does not push it along.
+    pub fn drag_limit(&self, samples: usize, reach: f32, inverse_mass: f32, inverse_inertia: Mat3) -> f32 {
+        let turning =
+            [inverse_inertia.x_axis, inverse_inertia.y_axis, inverse_inertia.z_axis].map(Vec3::length_squared);
+        let turning = reach * reach * turning.into_iter().fold(0.0, f32::max).sqrt();
+        let drag = 2.0 * self.dynamic_viscosity * self.spacing * samples as f32;
+        1.0 / (drag * inverse_mass.max(turning))
     }
 
     /// The substep that covers what remains of a tick in equal parts no longer than `limit`.

@@ -11,8 +11,9 @@ use crate::geometry::convex_hull;
 use crate::overlap::check_overlap;
 use crate::periodic::Periodic;
 use crate::sampling::lattice::{sample_box, sample_sphere};
+use crate::sampling::quasi_fluid;
 use crate::sampling::wall_layer::WallLayer;
-use crate::scene::{Body, Boundary, BoundaryShape, FluidSide, MAX_PARTICLES, Shape, Volume, side_of};
+use crate::scene::{Body, BodySampling, Boundary, BoundaryShape, FluidSide, MAX_PARTICLES, Shape, Volume, side_of};
 use crate::solid::Solid;
 use crate::swelling;
 
@@ -52,6 +53,9 @@ pub struct PlannedBody {
     pub swelling_reach: f32,
     /// Whether it is wholly there at once, wherever it comes.
     pub at_once: bool,
+    /// What its own samples add to the density of each, over the density at rest, if they are [quasi-fluid](crate::sampling::quasi_fluid); else
+    /// empty.
+    pub own_densities: Vec<f32>,
 }
 
 /// Particles of all volumes with their velocities, and for each volume its first id and its number of particles.
@@ -233,7 +237,14 @@ pub(super) fn plan_body(
 ) -> Result<PlannedBody, InvalidInput> {
     check_crowding(&body.samples, support_radius)?;
     check_width(&body.samples, periodic, support_radius)?;
-    let volumes = layer.volumes(&body.samples);
+    let (volumes, own_densities) = match body.sampling {
+        BodySampling::SingleLayer => (layer.volumes(&body.samples), Vec::new()),
+        BodySampling::QuasiFluid { layers } => {
+            let volumes = quasi_fluid::volumes(&body.samples, layers, layer);
+            let own = quasi_fluid::own_densities(&body.samples, &volumes, layer.kernel(), layer.spacing());
+            (volumes, own)
+        }
+    };
     let reach = body.samples.iter().map(|sample| sample.length()).fold(0.0, f32::max);
     let (roots, swelling_reach) = swelling::roots(&body.samples, &body.solids, layer.spacing());
     Ok(PlannedBody {
@@ -245,5 +256,6 @@ pub(super) fn plan_body(
         roots,
         swelling_reach,
         at_once: body.at_once,
+        own_densities,
     })
 }

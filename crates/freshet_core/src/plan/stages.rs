@@ -18,8 +18,12 @@ pub enum StageKind {
     Support,
     /// Density sum and pressure.
     Density,
+    /// Density and pressure of the bodies' samples.
+    BodyDensity,
     /// Acceleration by pressure, viscosity and gravity.
     Acceleration,
+    /// How fluid sticks to bodies and drags them along.
+    BodyDrag,
     /// Force and torque of the fluid on each body.
     BodyLoad,
     /// Chooses the substep.
@@ -46,7 +50,9 @@ impl StageKind {
             StageKind::BodySort => "body_sort",
             StageKind::Support => "support",
             StageKind::Density => "density",
+            StageKind::BodyDensity => "body_density",
             StageKind::Acceleration => "acceleration",
+            StageKind::BodyDrag => "body_drag",
             StageKind::BodyLoad => "body_load",
             StageKind::StepControl => "step_control",
             StageKind::DivergenceSolve => "divergence_solve",
@@ -100,6 +106,9 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         Some(_) => "densities, and what each pressure changes of them",
     };
     add(StageKind::Density, &format!("{density}; {others}"));
+    if bodies.iter().any(|body| !body.own_densities.is_empty()) {
+        add(StageKind::BodyDensity, "bodies are sampled by quasi-fluid, which has densities and pressures of its own");
+    }
     let pressure = if incompressible.is_some() { "pressure of the last substep" } else { "pressure" };
     let rest = match (scene.settings.artificial_viscosity > 0.0, scene.physical_viscosity()) {
         (true, None) => ", artificial viscosity and gravity",
@@ -108,6 +117,9 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         (false, Some(_)) => ", the material's viscosity and gravity",
     };
     add(StageKind::Acceleration, &format!("{pressure}{rest}"));
+    if let Some(model) = scene.physical_viscosity().filter(|_| !bodies.is_empty()) {
+        add(StageKind::BodyDrag, &format!("fluid sticks to bodies by the material's viscosity ({})", model.name()));
+    }
     if !bodies.is_empty() {
         add(StageKind::BodyLoad, "the scene has bodies, which the fluid pushes");
     }

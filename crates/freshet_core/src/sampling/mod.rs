@@ -7,6 +7,7 @@ pub mod boundary;
 pub mod lattice;
 mod level_set;
 mod poisson;
+pub mod quasi_fluid;
 pub mod shapes;
 mod surface;
 mod thin_parts;

@@ -77,7 +77,7 @@ impl WallLayer {
         self.require("half_height", half_height + rounding)?;
         let profile = Profile::cylinder(f64::from(radius), f64::from(half_height));
         let largest_ball = f64::from(radius.min(half_height) + rounding);
-        self.rounded(&profile, f64::from(self.depth).min(0.5 * largest_ball), rounding)
+        self.rounded(&profile, self.depth_in(largest_ball), rounding)
     }
 
     /// Samples of a solid cone with round edges and a round tip, m: a [`cone`](Self::cone) thickened all round by `rounding`.
@@ -88,7 +88,7 @@ impl WallLayer {
     pub fn round_cone(&self, radius: f32, half_height: f32, rounding: f32) -> Result<Vec<Vec3>, InvalidInput> {
         let largest_ball = self.ball_in_cone(radius, half_height, rounding)?;
         let profile = Profile::cone(f64::from(radius), f64::from(half_height));
-        self.rounded(&profile, f64::from(self.depth).min(0.5 * largest_ball), rounding)
+        self.rounded(&profile, self.depth_in(largest_ball), rounding)
     }
 
     /// Samples of a vessel about the y axis without a lid: radius and half height of the room in it, and the thickness of its wall
@@ -144,7 +144,7 @@ impl WallLayer {
     fn round(&self, profile: &Profile, largest_ball: f64, fluid: FluidSide) -> Result<Vec<Vec3>, InvalidInput> {
         let (d, depth) = (f64::from(self.spacing()), f64::from(self.depth));
         match fluid {
-            FluidSide::Outside => sample_level_set(Surface::Round(profile), depth.min(0.5 * largest_ball), true, d),
+            FluidSide::Outside => sample_level_set(Surface::Round(profile), self.depth_in(largest_ball), true, d),
             FluidSide::Inside => sample_level_set(Surface::Round(profile), depth, false, d),
             FluidSide::Both => sample_level_set(Surface::Sheet(profile), 0.0, true, d),
         }

@@ -17,12 +17,17 @@ use crate::kernel::Kernel;
 ///
 /// Sorts the samples into cells of the support radius: `n log n`, with 36 bytes of memory a sample.
 pub fn volume_weights(positions: &[Vec3], kernel: &Kernel, gamma: f64) -> Vec<f32> {
+    sums_around(positions, kernel, |_| 1.0).into_iter().map(|sum| (gamma / sum) as f32).collect()
+}
+
+/// `sum_k w_k W_bk`, b among the k, in the order of `positions`, with the weights of these.
+pub(super) fn sums_around(positions: &[Vec3], kernel: &Kernel, weight: impl Fn(usize) -> f64) -> Vec<f64> {
     let mut cells: Vec<(Cell, usize)> =
         positions.iter().enumerate().map(|(index, &x)| (cell_of(x, kernel), index)).collect();
     // By z, y, then x: three neighbouring cells in a row of x lie next to each other.
     cells.sort_unstable();
 
-    let mut volumes = vec![0.0; positions.len()];
+    let mut sums = vec![0.0; positions.len()];
     for group in cells.chunk_by(|a, b| a.0 == b.0) {
         let [z, y, x] = group[0].0;
         let rows: Vec<&[(Cell, usize)]> = (z - 1..=z + 1)
@@ -35,15 +40,14 @@ pub fn volume_weights(positions: &[Vec3], kernel: &Kernel, gamma: f64) -> Vec<f3
             .collect();
         for &(_, b) in group {
             let x_b = positions[b].as_dvec3();
-            let sum: f64 = rows
+            sums[b] = rows
                 .iter()
                 .flat_map(|row| *row)
-                .map(|&(_, k)| kernel.value(x_b.distance(positions[k].as_dvec3())))
+                .map(|&(_, k)| weight(k) * kernel.value(x_b.distance(positions[k].as_dvec3())))
                 .sum();
-            volumes[b] = (gamma / sum) as f32;
         }
     }
-    volumes
+    sums
 }
 
 /// z, y, x of a cell.

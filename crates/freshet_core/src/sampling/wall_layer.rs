@@ -21,6 +21,7 @@ use std::f64::consts::PI;
 use glam::Vec3;
 
 use super::boundary::{sample_box_surface, sample_container, sample_plane, sample_sphere_surface};
+use super::quasi_fluid::DEPTHS;
 use super::volume_weights::volume_weights;
 use crate::error::InvalidInput;
 use crate::kernel::Kernel;
@@ -35,6 +36,8 @@ pub struct WallLayer {
     pub depth: f32,
     /// Gamma of the volume weights `V_b = gamma / sum_k W_bk`; no unit.
     pub gamma: f32,
+    /// Where a solid is thinner than twice the depth, the depth over half of its thickness.
+    most: f32,
 }
 
 impl WallLayer {
@@ -54,7 +57,25 @@ impl WallLayer {
         let volume_per_area = value / plane_sum(kernel, z).max(f64::MIN_POSITIVE);
         // A sample of a square lattice stands for d^2 of the plane; A is a sum per area times d^2, so d^3 cancels to V.
         let volume = d.powi(3) * volume_per_area;
-        Self { kernel: *kernel, spacing, depth: (z - 0.5 * d) as f32, gamma: (volume * own_sum(kernel, d)) as f32 }
+        Self {
+            kernel: *kernel,
+            spacing,
+            depth: (z - 0.5 * d) as f32,
+            gamma: (volume * own_sum(kernel, d)) as f32,
+            most: 0.5,
+        }
+    }
+
+    /// The [three layers](super::quasi_fluid) of samples each of which stands for one layer of particles.
+    pub fn quasi_fluid(&self) -> [Self; 3] {
+        let d = f64::from(self.spacing);
+        let gamma = (d.powi(3) * own_sum(&self.kernel, d)) as f32;
+        DEPTHS.map(|depth| Self { depth: depth * self.spacing, gamma, most: 0.95, ..*self })
+    }
+
+    /// How deep the layer lies in a solid in which a ball of `largest_ball` metres fits, m.
+    pub(super) fn depth_in(&self, largest_ball: f64) -> f64 {
+        f64::from(self.depth).min(f64::from(self.most) * largest_ball)
     }
 
     /// The kernel it is for.
@@ -102,7 +123,7 @@ impl WallLayer {
     /// In a ball smaller than the depth they lie half way to its centre.
     pub fn sphere_surface(&self, radius: f32) -> Result<Vec<Vec3>, InvalidInput> {
         sample_sphere_surface(radius, self.spacing)?;
-        let layer = (radius - self.depth).max(0.5 * radius);
+        let layer = (radius - self.depth).max((1.0 - self.most) * radius);
         // The sampler puts its layer half of its own spacing inside.
         let spacing = self.spacing * layer / radius;
         sample_sphere_surface(layer + 0.5 * spacing, spacing)

@@ -2,7 +2,7 @@
 //!
 //! `a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k (P_a + Pi_ak) F x_ak ]`; `Pi_ab` after Monaghan 1992
 //! with beta = 0, for pairs that part as for pairs that approach (Monaghan 2005, section 8: a Newtonian viscosity). Walls and
-//! bodies act through the density they add (Akinci et al. 2012). `Pi_ak` is that of a particle at rest with the density of `a`,
+//! bodies act through the density they add (Akinci et al. 2012), quasi-fluid bodies by their own pressure `P_k` as well. `Pi_ak` is that of a particle at rest with the density of `a`,
 //! for samples of viscous faces; elsewhere fluid slips freely. With a physical viscosity, see [`morris1997`](super::morris1997),
 //! that acts at viscous faces in its stead.
 
@@ -189,6 +189,9 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: 
                 if is_artificial && !is_physical && samples.drags() {
                     dragging.pack(simd, list, [x, y, z, &samples.volume, &samples.viscous_volume], at);
                     add_viscous_samples::<S, K>(simd, pairs, own, dragging, sums);
+                } else if !samples.pressure_term.is_empty() {
+                    dragging.pack(simd, list, [x, y, z, &samples.volume, &samples.pressure_term], at);
+                    add_quasi_fluid::<S, K>(simd, pairs, own, dragging, sums);
                 } else {
                     calm.pack(simd, list, [x, y, z, &samples.volume], at);
                     add_samples::<S, K>(simd, pairs, own, calm, sums);
@@ -389,6 +392,28 @@ fn add_samples<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: 
         for (sum, position, own_term) in own.with(sums) {
             let (difference, squared) = difference(simd, position, [x, y, z]);
             let pressure = simd.mul_f32s(weight, simd.splat_f32s(own_term));
+            add(simd, sum, simd.mul_f32s(pressure, pairs.slope::<K>(simd, squared)), difference);
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// `rho0/m sum_k V_k (P_a + P_k) f'(q)/q x_ak` over quasi-fluid bodies, for each of a cell's particles.
+#[inline(always)]
+fn add_quasi_fluid<S: Simd, K: SimdKernel>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: Own,
+    all: &Packed<5>,
+    sums: &mut [[S::f32s; 3]],
+) {
+    let mut first = 0;
+    while first < all.len() {
+        let [x, y, z, volume, term] = all.lanes::<S>(first);
+        let weight = simd.mul_f32s(pairs.relative_factor, volume);
+        for (sum, position, own_term) in own.with(sums) {
+            let (difference, squared) = difference(simd, position, [x, y, z]);
+            let pressure = simd.mul_f32s(weight, simd.add_f32s(simd.splat_f32s(own_term), term));
             add(simd, sum, simd.mul_f32s(pressure, pairs.slope::<K>(simd, squared)), difference);
         }
         first += S::F32_LANES;

@@ -1,6 +1,6 @@
 //! Stage `body_load`: the opposite of what the particles felt from each sample, summed over a body.
 //!
-//! Sample k feels `+ (1/G) m rho0 V_k sum_a P_a F x_ak`.
+//! Sample k feels `+ (1/G) m rho0 V_k sum_a (P_a + P_k) F x_ak`, `P_k` being zero for samples of a single layer.
 
 use std::ops::Range;
 
@@ -74,15 +74,23 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
                 fluid.pack(simd, list, [x, y, z, task.pressure_term], at.x);
                 packed_cell = Some(cell);
             }
-            let sum = sum_around::<S, K>(simd, fluid, at, 1.0 / task.grid.support_radius);
+            let own = task.samples.pressure_term.get(slot).copied().unwrap_or(0.0);
+            let sum = sum_around::<S, K>(simd, fluid, at, own, 1.0 / task.grid.support_radius);
             *force = task.factor * task.samples.volume[slot] * sum;
         }
     }
 }
 
-/// `sum_a P_a f'(q)/q x_ak`.
+/// `sum_a (P_a + P_k) f'(q)/q x_ak`.
 #[inline(always)]
-fn sum_around<S: Simd, K: SimdKernel>(simd: S, candidates: &Packed<4>, at: Vec3, inverse_radius: f32) -> Vec3 {
+fn sum_around<S: Simd, K: SimdKernel>(
+    simd: S,
+    candidates: &Packed<4>,
+    at: Vec3,
+    own: f32,
+    inverse_radius: f32,
+) -> Vec3 {
+    let own = simd.splat_f32s(own);
     let (in_radii, one) = (ScaledRoot::new(simd, inverse_radius), simd.splat_f32s(1.0));
     let mut sum = [simd.splat_f32s(0.0); 3];
     let mut first = 0;
@@ -92,7 +100,7 @@ fn sum_around<S: Simd, K: SimdKernel>(simd: S, candidates: &Packed<4>, at: Vec3,
         let dy = simd.sub_f32s(y, simd.splat_f32s(at.y));
         let dz = simd.sub_f32s(z, simd.splat_f32s(at.z));
         let q = simd.min_f32s(in_radii.of(simd, squared_length(simd, [dx, dy, dz])), one);
-        let factor = simd.mul_f32s(term, K::slope_over_q(simd, q));
+        let factor = simd.mul_f32s(simd.add_f32s(term, own), K::slope_over_q(simd, q));
         sum[0] = simd.mul_add_f32s(factor, dx, sum[0]);
         sum[1] = simd.mul_add_f32s(factor, dy, sum[1]);
         sum[2] = simd.mul_add_f32s(factor, dz, sum[2]);

@@ -17,6 +17,8 @@ pub struct BodySamples {
     pub sorted: SortedSamples,
     positions: Vec<Vec3>,
     volumes: Vec<f32>,
+    /// What a body's own samples add to the density of each, over the density at rest; negative for those of a single layer.
+    own_densities: Vec<f32>,
     /// Of each body the first sample.
     firsts: Vec<usize>,
     /// In the order of slots, padded: from the centre of mass along x, y and z, m, and the index of the body, likewise.
@@ -29,6 +31,7 @@ impl BodySamples {
     pub fn update(&mut self, grid: &Grid, plan: &[PlannedBody], bodies: &[MovingBody]) {
         self.positions.clear();
         self.volumes.clear();
+        self.own_densities.clear();
         self.firsts.clear();
         for (planned, body) in plan.iter().zip(bodies) {
             self.firsts.push(self.positions.len());
@@ -36,6 +39,8 @@ impl BodySamples {
             self.positions.extend((0..planned.samples.len()).map(sample));
             let weight = PlannedBody::weight(body.swollen);
             self.volumes.extend(planned.volumes.iter().map(|volume| weight * volume));
+            self.own_densities.extend(planned.own_densities.iter().map(|own| weight * own));
+            self.own_densities.resize(self.volumes.len(), -1.0);
         }
         self.sorted.sort(grid, &self.positions, &self.volumes);
     }
@@ -96,10 +101,16 @@ impl BodySamples {
 
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
-        let unsorted = size_of::<Vec3>() * self.positions.capacity() + 4 * self.volumes.capacity();
+        let unsorted = size_of::<Vec3>() * self.positions.capacity()
+            + 4 * (self.volumes.capacity() + self.own_densities.capacity());
         let arms: usize = self.arms.iter().chain([&self.owners]).map(Vec::capacity).sum();
         let firsts = size_of::<usize>() * self.firsts.capacity();
         self.sorted.bytes() + (unsorted + firsts + 4 * arms) as u64
+    }
+
+    /// What a body's own samples add to the density of each, by source index; see the field.
+    pub fn own_densities(&self) -> &[f32] {
+        &self.own_densities
     }
 
     /// Position of a sample by its source index, m.

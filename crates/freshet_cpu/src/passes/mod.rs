@@ -2,6 +2,8 @@
 //! twins.
 
 pub mod acceleration;
+pub mod body_density;
+pub mod body_drag;
 pub mod body_load;
 pub mod body_motion;
 pub mod body_sort;

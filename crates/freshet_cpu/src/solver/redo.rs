@@ -58,7 +58,7 @@ impl CpuSolver {
     /// What a state allows, by the speeds that particles have and not by those that they are expected to have.
     fn limit_of(&self, found: &Found) -> f32 {
         let maxima = Maxima { speed_squared: self.particles.fastest().powi(2), ..found.maxima };
-        step_control::limit(&self.plan.parameters, &maxima, &self.bodies, self.gravity)
+        step_control::limit(&self.plan.parameters, &maxima, (&self.plan.bodies, &self.bodies), self.gravity)
     }
 
     fn keep(&mut self, tally: &Tally) {

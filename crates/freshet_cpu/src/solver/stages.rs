@@ -3,7 +3,7 @@
 use freshet_core::near_pressure;
 use freshet_core::plan::{Parameters, StageKind};
 use freshet_core::pressure_solver::PressureSolver;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::CpuSolver;
 use super::answers::Load;
@@ -13,7 +13,9 @@ use crate::passes::acceleration::Maxima;
 use crate::passes::density::{Compression, Second};
 use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
-use crate::passes::{acceleration, body_load, body_touch, density, friction, integrate, support, xsph};
+use crate::passes::{
+    acceleration, body_density, body_drag, body_load, body_touch, density, friction, integrate, support, xsph,
+};
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
 use crate::tasks::Tasks;
@@ -157,15 +159,97 @@ impl CpuSolver {
         })
     }
 
+    /// Densities and pressures of quasi-fluid samples.
+    pub(super) fn body_density_stage(&mut self) {
+        let mut pressure_terms = std::mem::take(&mut self.body_samples.sorted.pressure_term);
+        let count = self.body_samples.sorted.len();
+        pressure_terms.clear();
+        pressure_terms.resize(count + PADDING, 0.0);
+        self.share_slots(count);
+        let parameters = &self.plan.parameters;
+        let factor = parameters.particle_mass * kernel_scale(parameters, 3) / parameters.density_calibration;
+        let (arch, grid) = (self.arch, &self.plan.grid);
+        let (starts, particles) = (&self.sorter.starts, &self.particles);
+        let (samples, own) = (&self.body_samples.sorted, self.body_samples.own_densities());
+        let (rest_density, law) = (parameters.rest_density, parameters.pressure_law);
+        let tasks = Tasks::new(&self.slots, (), &mut pressure_terms[..count]);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (slots, (), pressure_terms)| {
+            let slots = slots.clone();
+            let task = body_density::Task {
+                arch,
+                grid,
+                starts,
+                particles,
+                samples,
+                own,
+                slots,
+                workspace,
+                pressure_terms,
+                factor,
+                rest_density,
+                law,
+            };
+            dispatch(parameters.kernel, task);
+        });
+        self.body_samples.sorted.pressure_term = pressure_terms;
+    }
+
+    /// Shares the slots of so many samples out among tasks.
+    fn share_slots(&mut self, count: usize) {
+        self.slots.clear();
+        self.slots.extend((0..count).step_by(64).map(|first| first..(first + 64).min(count)));
+    }
+
+    /// What sticks to bodies: adds to the accelerations, and keeps what bodies get for it.
+    pub(super) fn body_drag_stage(&mut self) {
+        let parameters = &self.plan.parameters;
+        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let inputs = body_drag::Inputs {
+            arch: self.arch,
+            grid: &self.plan.grid,
+            starts: &self.sorter.starts,
+            particles: &self.particles,
+            density: &self.density,
+            samples: &self.body_samples,
+            bodies: &self.bodies,
+            lists_before: 1 + usize::from(!self.walls.is_empty()),
+            factor: -parameters.dynamic_viscosity * parameters.rest_density * scale,
+            particle_mass: parameters.particle_mass,
+            depth: parameters.boundary_depth,
+            nearest: 0.25 * parameters.spacing,
+        };
+        let lists = self.drags.len().max(self.sorter.chunks.len());
+        self.drags.resize_with(lists, Vec::new);
+        let results = self.acceleration.each_mut().map(Vec::as_mut_slice);
+        let tasks = Tasks::new(&self.sorter.chunks, (&mut *self.candidates, &mut *self.drags), results);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (candidates, drags), acceleration)| {
+            let task = body_drag::Task { inputs, chunk, workspace, candidates, acceleration, drags };
+            dispatch(parameters.kernel, task)
+        })
+    }
+
+    /// Adds the drags to the loads: one after the other in the order of particles and in double precision, whatever the number of threads.
+    pub(super) fn add_drags(&mut self) {
+        let drags = self.drags.iter().take(self.sorter.chunks.len());
+        let mut sums = vec![[DVec3::ZERO; 2]; if drags.len() == 0 { 0 } else { self.loads.len() }];
+        for drag in drags.flatten() {
+            let [force, torque] = &mut sums[drag.body as usize];
+            *force += drag.force.as_dvec3();
+            *torque += drag.arm.as_dvec3().cross(drag.force.as_dvec3());
+        }
+        for (load, [force, torque]) in self.loads.iter_mut().zip(sums) {
+            *load = *load + Load { force: force.as_vec3(), torque: torque.as_vec3() };
+        }
+    }
+
     /// Force (N) and torque about the centre of mass (N m) of the fluid on each body, in the order of the bodies.
     pub(super) fn body_load_stage(&mut self) {
+        let count = self.body_samples.sorted.len();
+        self.share_slots(count);
         let parameters = &self.plan.parameters;
         let samples = &self.body_samples.sorted;
         let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
         let factor = parameters.particle_mass * parameters.rest_density * scale;
-        let count = samples.len();
-        self.slots.clear();
-        self.slots.extend((0..count).step_by(64).map(|first| first..(first + 64).min(count)));
         self.sorted_forces.resize(count, Vec3::ZERO);
         self.forces.resize(count, Vec3::ZERO);
         let (arch, grid) = (self.arch, &self.plan.grid);
@@ -198,7 +282,7 @@ impl CpuSolver {
         for (planned, body) in self.plan.bodies.iter().zip(&self.bodies) {
             let range = first..first + planned.samples.len();
             first = range.end;
-            let (mut force, mut torque) = (glam::DVec3::ZERO, glam::DVec3::ZERO);
+            let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
             for (on_sample, at) in self.forces[range.clone()].iter().zip(&self.body_samples.positions()[range]) {
                 force += on_sample.as_dvec3();
                 torque += (*at - body.position).cross(*on_sample).as_dvec3();
@@ -258,7 +342,6 @@ impl CpuSolver {
     /// The same of an incompressible fluid, by the pressures of the last substep: from who touches whom, which its solve needs too.
     pub(super) fn body_touch_stage(&mut self) {
         let parameters = &self.plan.parameters;
-        self.body_samples.find_arms(&self.bodies);
         let answers = &mut self.solve.bodies;
         let lists = answers.found.len().max(self.sorter.chunks.len());
         answers.found.resize_with(lists, Vec::new);

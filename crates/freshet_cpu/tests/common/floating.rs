@@ -18,7 +18,7 @@ pub fn incompressible(mut scene: FluidScene, solver: DivergenceFree) -> FluidSce
 pub fn ball(scene: &FluidScene, radius: f32) -> Body {
     let samples = scene.wall_layer().unwrap().sphere_surface(radius).unwrap();
     let solids = vec![Solid::ball(radius, Vec3::ZERO)];
-    Body { name: "ball".to_owned(), samples, solids, at_once: false }
+    Body { name: "ball".to_owned(), samples, solids, ..Body::default() }
 }
 
 /// A column of 0.25 m in an open box, and a body for each input.

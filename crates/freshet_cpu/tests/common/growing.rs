@@ -22,7 +22,7 @@ pub fn pool(pressure_solver: PressureSolver) -> FluidScene {
 /// A ball of this radius, m; its name is that of every other.
 pub fn ball(scene: &FluidScene, radius: f32) -> Body {
     let samples = scene.wall_layer().unwrap().sphere_surface(radius).unwrap();
-    Body { name: "ball".to_owned(), samples, solids: vec![Solid::ball(radius, Vec3::ZERO)], at_once: false }
+    Body { name: "ball".to_owned(), samples, solids: vec![Solid::ball(radius, Vec3::ZERO)], ..Body::default() }
 }
 
 /// What a tick is told of a ball that nothing moves.

@@ -57,7 +57,7 @@ pub enum Binding {
     /// First particle of each cell, then first wall sample, first body sample, totals of blocks.
     CellStarts,
     /// Wall samples, then body samples, each sorted: position, and volume, negative for samples of viscous faces. Between them, if
-    /// walls move, the velocities of wall samples. At the end, of an incompressible fluid, where body samples are from the centre of
+    /// walls move, the velocities of wall samples. At the end, if the fluid is incompressible or sticks to them, where body samples are from the centre of
     /// mass of which body. A buffer or a texture, as the positions.
     Samples,
     /// [`BodyRecord`](records::BodyRecord).
@@ -80,11 +80,13 @@ pub enum Binding {
     Answers,
     /// Supports over the support radius, of plans where they vary.
     Widths,
+    /// [`ContactRecord`](records::ContactRecord), of plans in which fluid sticks to bodies.
+    Contacts,
 }
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 28] = [
+    pub const ALL: [Binding; 29] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -113,6 +115,7 @@ impl Binding {
         Binding::Drifts,
         Binding::Answers,
         Binding::Widths,
+        Binding::Contacts,
     ];
 
     /// Number in group 0.
@@ -156,6 +159,7 @@ impl Binding {
             Binding::Drifts => "drifts",
             Binding::Answers => "answers",
             Binding::Widths => "widths",
+            Binding::Contacts => "contacts",
         }
     }
 
@@ -167,6 +171,7 @@ impl Binding {
             | Binding::SortedVelocities
             | Binding::Accelerations
             | Binding::Motions
+            | Binding::Contacts
             | Binding::Drifts => Some(16),
             Binding::Densities => Some(8),
             Binding::SortedLives | Binding::Slots | Binding::Widths => Some(4),
@@ -204,6 +209,7 @@ impl Binding {
             Binding::SampleLoads => "array<SampleLoadRecord>",
             Binding::Spawned => "array<SpawnRecord>",
             Binding::Answers => "array<BodyAnswerRecord>",
+            Binding::Contacts => "array<ContactRecord>",
         }
     }
 
@@ -310,6 +316,7 @@ fn sample(k: u32) -> Sample {
 fn wall_velocity(k: u32) -> vec3<f32> {
     return bitcast<vec3<f32>>(samples_words(parameters.wall_samples + k).xyz);
 }
+fn sample_pressure(k: u32) -> f32 { return bitcast<f32>(samples_words(parameters.body_samples + k).x); }
 struct SampleArm { offset: vec3<f32>, body: u32 }
 fn sample_arm(k: u32) -> SampleArm {
     let words = samples_words(parameters.body_samples + k);
@@ -320,6 +327,11 @@ fn sample_arm(k: u32) -> SampleArm {
             Binding::WallFrictions => "fn wall_friction(k: u32) -> vec2<f32> { return wall_frictions[k]; }\n",
             Binding::Drifts => "fn drift(i: u32) -> vec3<f32> { return drifts[i].xyz; }\n",
             Binding::Widths => "fn width(i: u32) -> f32 { return widths[i]; }\n",
+            Binding::Contacts => {
+                "fn contact_force(i: u32) -> vec3<f32> { return contacts[i].force; }
+fn contact_body(i: u32) -> u32 { return contacts[i].body; }
+"
+            }
             Binding::Bodies => {
                 "fn body_position(i: u32) -> vec3<f32> { return bodies[i].position; }
 fn body_rotation(i: u32) -> vec4<f32> { return bodies[i].rotation; }
@@ -349,6 +361,7 @@ fn body_exchange(i: u32, slot: u32) -> ExchangeRecord { return bodies[i].exchang
                 "fn sample_offset(k: u32) -> vec3<f32> { return body_samples[k].offset; }
 fn sample_root(k: u32) -> vec3<f32> { return body_samples[k].root; }
 fn sample_volume(k: u32) -> f32 { return body_samples[k].volume; }
+fn sample_own_density(k: u32) -> f32 { return body_samples[k].own_density; }
 fn body_of_sample(k: u32) -> u32 { return body_samples[k].body; }
 "
             }
@@ -455,6 +468,9 @@ fn take_from_cell_count(i: u32) -> u32 { return atomicSub(&cell_counts[i], 1u) -
             Binding::CellStarts => "fn set_cell_start(i: u32, start: u32) { cell_starts[i] = start; }\n",
             Binding::Samples => {
                 "fn set_sample(k: u32, value: vec4<f32>) { set_samples_words(k, bitcast<vec4<u32>>(value)); }
+fn set_sample_pressure(k: u32, value: f32) {
+    set_samples_words(parameters.body_samples + k, vec4<u32>(bitcast<u32>(value), 0u, 0u, 0u));
+}
 fn set_sample_arm(k: u32, offset: vec3<f32>, body: u32) {
     set_samples_words(parameters.body_samples + k, vec4<u32>(bitcast<vec3<u32>>(offset), body));
 }
@@ -488,6 +504,10 @@ fn add_body_impulse(i: u32, slot: u32, linear: vec3<f32>, angular: vec3<f32>) {
     bodies[i].exchanges[slot].linear += linear;
     bodies[i].exchanges[slot].angular += angular;
 }
+"
+            }
+            Binding::Contacts => {
+                "fn set_contact(i: u32, body: u32, force: vec3<f32>) { contacts[i] = ContactRecord(force, body); }
 "
             }
             Binding::Widths => "fn set_width(i: u32, value: f32) { widths[i] = value; }\n",

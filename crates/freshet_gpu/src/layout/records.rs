@@ -155,6 +155,12 @@ wgsl_struct! {
         swelling_way: f32,
         /// From this far on a body that jumps is elsewhere, m.
         elsewhere: f32,
+        /// kg.
+        particle_mass: f32,
+        /// 2 mu d: what a sample of a body is dragged by, N s/m.
+        sample_drag: f32,
+        /// Unused.
+        pad_drag: [u32; 2],
     }
 
     /// What the GPU decides from substep to substep, and what it reports.
@@ -325,6 +331,12 @@ wgsl_struct! {
         root: Vec3,
         /// Whose it is.
         body: u32,
+        /// What its body's own samples add to its density, over the density at rest; negative for samples of a single layer.
+        own_density: f32,
+        /// Unused.
+        pad_a: u32,
+        /// Unused.
+        pad_b: [u32; 2],
     }
 
     /// What the fluid does to a sample.
@@ -337,6 +349,14 @@ wgsl_struct! {
         torque: Vec3,
         /// Unused.
         pad_a: f32,
+    }
+
+    /// What of a particle sticks to a body.
+    pub struct ContactRecord {
+        /// Force on the body over the sum of `V_k F`, N/m3 in the units of kernel slopes.
+        force: Vec3,
+        /// Which body, counted from one; zero for none.
+        body: u32,
     }
 
     /// What passed between the fluid and a body in one tick, minus what was forecast.

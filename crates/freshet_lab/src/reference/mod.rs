@@ -5,6 +5,7 @@ pub mod couette;
 pub mod dam_break;
 pub mod hulme_1982;
 pub mod hydrostatics;
+pub mod kirchhoff_1876;
 pub mod krog_2010;
 pub mod lobovsky_2014;
 pub mod martin_moyce_1952;

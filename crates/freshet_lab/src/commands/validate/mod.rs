@@ -8,9 +8,10 @@ use std::time::Instant;
 
 use clap::Args;
 
-pub use registry::{CASES, Case, Findings, Job};
+pub use registry::{CASES, Case, Findings, Job, WITH_BODIES};
 pub use study::{Level, Study, Trace};
 
+use crate::afloat::BodyMethod;
 use crate::error::LabError;
 use crate::options::{BackendChoice, CommonOptions, ThreadOption};
 use crate::output::{Output, say};
@@ -34,6 +35,12 @@ pub struct ValidateArgs {
     /// Cases to run [default: all].
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
     pub case: Vec<String>,
+    /// How bodies are in the fluid: for draft, light-and-heavy, added-mass, gate and heave, and for no other case.
+    #[arg(long, value_enum, default_value_t)]
+    pub bodies: BodyMethod,
+    /// Rapier hears of impulses in the same tick, also where a case has it hear of them later. For the same cases.
+    #[arg(long)]
+    pub lockstep: bool,
     /// Names the cases and ends.
     #[arg(long)]
     pub list: bool,
@@ -41,7 +48,23 @@ pub struct ValidateArgs {
 
 impl ValidateArgs {
     /// The cases asked for.
+    ///
+    /// # Errors
+    /// A name that is none, or [`bodies`](Self::bodies) in another way than by default or [`lockstep`](Self::lockstep) with a case without bodies.
     pub fn cases(&self) -> Result<Vec<&'static Case>, LabError> {
+        let cases = self.named()?;
+        let without = cases.iter().find(|case| !WITH_BODIES.contains(&case.name));
+        match without {
+            Some(case) if self.lockstep || self.bodies != BodyMethod::default() => {
+                let argument = if self.lockstep { "--lockstep" } else { "--bodies" };
+                let reason = format!("not with case {}; allowed: with --case {}", case.name, WITH_BODIES.join(","));
+                Err(LabError::Argument { argument, reason })
+            }
+            _ => Ok(cases),
+        }
+    }
+
+    fn named(&self) -> Result<Vec<&'static Case>, LabError> {
         if self.case.is_empty() {
             return Ok(CASES.to_vec());
         }
@@ -70,7 +93,8 @@ pub fn run(args: &ValidateArgs) -> Result<Verdict, LabError> {
     let output = Output::new(&args.common.out)?;
     let (mut levels, mut verdict, mut left_out) = (Vec::new(), Verdict::default(), Vec::new());
     for &backend in args.common.backends(BackendChoice::Cpu) {
-        let job = Job { backend, quick: args.common.quick, threads: args.threads, output: output.clone() };
+        let ValidateArgs { threads, bodies, lockstep, .. } = *args;
+        let job = Job { backend, quick: args.common.quick, threads, bodies, lockstep, output: output.clone() };
         for case in &cases {
             let begin = Instant::now();
             match (case.run)(&job) {

@@ -2,6 +2,7 @@
 
 use super::cases;
 use super::study::Level;
+use crate::afloat::BodyMethod;
 use crate::backend::Backend;
 use crate::error::LabError;
 use crate::options::{BackendChoice, CommonOptions, ThreadOption};
@@ -17,11 +18,25 @@ pub struct Job {
     pub quick: bool,
     /// Threads of the CPU solver.
     pub threads: ThreadOption,
+    /// How cases with bodies have them.
+    pub bodies: BodyMethod,
+    /// Whether rapier hears of impulses in the same tick, whatever the case says.
+    pub lockstep: bool,
     /// Where the files go.
     pub output: Output,
 }
 
 impl Job {
+    /// What is added to the names of files for how it has bodies.
+    pub fn suffix(&self) -> String {
+        format!("{}{}", self.bodies.suffix(), if self.lockstep { "_lockstep" } else { "" })
+    }
+
+    /// The options that ask for that, each with a space before.
+    pub fn body_options(&self) -> String {
+        format!("{}{}", self.bodies.option(), if self.lockstep { " --lockstep" } else { "" })
+    }
+
     /// The same as options of a command.
     pub fn options(&self) -> CommonOptions {
         let backend = match self.backend {
@@ -52,7 +67,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 21] = [
+pub const CASES: [&Case; 22] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -69,11 +84,21 @@ pub const CASES: [&Case; 21] = [
     &cases::added_mass::CASE,
     &cases::gate::CASE,
     &cases::heave::CASE,
+    &cases::spin::CASE,
     &cases::commands::COLUMN,
     &cases::commands::FLOAT,
     &cases::commands::DAM_BREAK,
     &cases::commands::DAM_BREAK_DFSPH,
     &cases::commands::DAM_BREAK_WATER,
+];
+
+/// Names of the cases that have bodies in each of the ways there are.
+pub const WITH_BODIES: [&str; 5] = [
+    cases::draft::CASE.name,
+    cases::light_and_heavy::CASE.name,
+    cases::added_mass::CASE.name,
+    cases::gate::CASE.name,
+    cases::heave::CASE.name,
 ];
 
 #[cfg(test)]

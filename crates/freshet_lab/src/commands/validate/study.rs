@@ -92,8 +92,9 @@ impl Study {
         for &resolution in resolutions {
             progress.begin(format!("{} at {resolution}, {}", self.name, job.backend), work(resolution));
             levels.push((self.simulate)(job, resolution, &mut progress)?);
-            job.output.write(&format!("{}.csv", self.name), self.csv(&levels).text())?;
-            chart::draw(&job.output, &format!("{}.svg", self.name), &self.chart(&levels))?;
+            let file = format!("{}{}", self.name, job.suffix());
+            job.output.write(&format!("{file}.csv"), self.csv(&levels, &job.body_options()).text())?;
+            chart::draw(&job.output, &format!("{file}.svg"), &self.chart(&levels))?;
         }
         Ok(Findings { verdict: self.verdict(job, &levels), levels })
     }
@@ -101,7 +102,9 @@ impl Study {
     /// The bounds of its levels. The quick form is too coarse for the bound on the error.
     fn verdict(&self, job: &Job, levels: &[Level]) -> Verdict {
         let mut verdict = Verdict::default();
-        let name = |resolution: u32, what: &str| format!("{} at {resolution}, {}: {what}", self.name, job.backend);
+        let suffix = job.suffix();
+        let name =
+            |resolution: u32, what: &str| format!("{}{suffix} at {resolution}, {}: {what}", self.name, job.backend);
         if let ([coarsest, ..], Some(finest)) = (levels, levels.last()) {
             let full = finest.resolution == self.resolutions[2];
             if full || !self.smooth {
@@ -129,10 +132,10 @@ impl Study {
         verdict
     }
 
-    fn csv(&self, levels: &[Level]) -> Csv {
+    fn csv(&self, levels: &[Level], options: &str) -> Csv {
         let mut comments = vec![format!(
-            "Freshet, {}: `cargo run --release -p freshet_lab -- validate --case {}`.",
-            self.title, self.name
+            "Freshet, {}: `cargo run --release -p freshet_lab -- validate --case {}{}`.",
+            self.title, self.name, options
         )];
         for (index, level) in levels.iter().enumerate() {
             let order = index
@@ -314,7 +317,14 @@ mod tests {
 
     fn passes(levels: &[Level]) -> bool {
         let output = crate::output::Output::new(&std::env::temp_dir()).unwrap();
-        let job = Job { backend: Backend::Cpu, quick: false, threads: Default::default(), output };
+        let job = Job {
+            backend: Backend::Cpu,
+            quick: false,
+            threads: Default::default(),
+            bodies: Default::default(),
+            lockstep: false,
+            output,
+        };
         study().verdict(&job, levels).passes()
     }
 
@@ -334,7 +344,7 @@ mod tests {
     #[test]
     fn files_hold_errors_order_and_points() {
         let levels = [level(10, 0.04), level(20, 0.01)];
-        let text = study().csv(&levels).text().to_owned();
+        let text = study().csv(&levels, "").text().to_owned();
         assert!(text.contains("L2 error 1.000 %, observed order 2.00"), "{text}");
         assert!(text.contains("20,t,1.000000,2.000000,2.100000"), "{text}");
         let chart = study().chart(&levels);

@@ -15,4 +15,5 @@ pub mod light_and_heavy;
 pub mod poiseuille;
 pub mod pool_drop;
 pub mod relaxing_cube;
+pub mod spin;
 pub mod taylor_green;
