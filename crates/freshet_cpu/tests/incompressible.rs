@@ -95,7 +95,6 @@ fn a_substep_solves_what_it_says() {
         // What was too dense was moved apart, to first order: what is left is of the second.
         let after = Reference::new(&plan, &end.positions, &[]).densities();
         let after = after.iter().map(|density| (density - 1.0).max(0.0)).sum::<f64>() / after.len() as f64;
-        println!("TM {too_much} {after}");
         assert!(too_much > 2e-4 && after < 0.1 * too_much, "{kernel:?}: {too_much} before, {after} after");
     }
 }

@@ -117,7 +117,6 @@ fn an_incompressible_impact_is_made_again() {
     assert!(gain(&without) < 1e-4 && gain(&with) < 1e-4, "{} {}", gain(&without), gain(&with));
     let compression = |ticks: &[Tick]| ticks[4..].iter().map(|tick| tick.report.max_compression).fold(0.0, f32::max);
     let (before, after) = (compression(&without), compression(&with));
-    println!("COMP {before} {after} {}", redone(&with));
     assert!(before > 0.1 && after < 0.5 * before, "{before} {after}");
     // Taken back as a whole: nothing is lost, time and momentum are kept.
     for tick in &with {
