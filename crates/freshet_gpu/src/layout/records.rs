@@ -159,8 +159,6 @@ wgsl_struct! {
         particle_mass: f32,
         /// 2 mu d: what a sample of a body is dragged by, N s/m.
         sample_drag: f32,
-        /// Unused.
-        pad_drag: [u32; 2],
     }
 
     /// What the GPU decides from substep to substep, and what it reports.
