@@ -11,7 +11,9 @@ fn assert_passes(name: &str, backend: Backend) -> Result<(), LabError> {
 }
 
 fn assert_passes_with(name: &str, backend: Backend, bodies: BodyMethod, lockstep: bool) -> Result<(), LabError> {
-    let folder = std::env::temp_dir().join(format!("freshet_lab_validate_{name}_{backend}_{}", std::process::id()));
+    // Two tests of a case may run at once.
+    let form = format!("{name}_{backend}{}_{lockstep}_{}", bodies.suffix(), std::process::id());
+    let folder = std::env::temp_dir().join(format!("freshet_lab_validate_{form}"));
     let output = Output::new(&folder)?;
     let job = Job { backend, quick: true, threads: Default::default(), bodies, lockstep, output };
     let case = CASES.iter().find(|case| case.name == name).unwrap_or_else(|| panic!("no case {name}"));
