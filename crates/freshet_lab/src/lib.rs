@@ -8,6 +8,7 @@ pub mod afloat;
 pub mod backend;
 pub mod chart;
 pub mod commands;
+pub mod date;
 pub mod drive;
 pub mod error;
 pub mod measure;

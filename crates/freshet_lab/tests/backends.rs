@@ -258,6 +258,57 @@ fn incompressible_stages_agree_from_the_same_states() {
     compare_incompressible(&aided, &states);
 }
 
+/// Water squeezed to a third more than its density, at rest and in a fast flow: where corrections meet their limits. A limit wrong by a twentieth is
+/// found.
+#[test]
+fn limits_of_corrections_agree_and_a_wrong_one_is_found() {
+    let mut scene = incompressible(DivergenceFree { compression: 1e-5, divergence: 1e-6, max_iterations: 3000 });
+    scene.bodies.clear();
+    scene.settings.max_substeps = 1;
+    let plan = Plan::new(&scene).unwrap();
+    let mut cpu = cpu(&plan);
+    let start = cpu.snapshot().unwrap();
+    let center = start.positions.iter().sum::<Vec3>() / start.positions.len() as f32;
+    let states = [0.0, plan.parameters.expected_speed].map(|speed| {
+        let mut state = start.clone();
+        for (x, v) in state.positions.iter_mut().zip(&mut state.velocities) {
+            *x = center + 0.9 * (*x - center);
+            *v = speed * Vec3::X;
+        }
+        state
+    });
+    let mut difference = |state: &Snapshot, patch| {
+        let mut gpu = gpu(&plan, patch);
+        let input = StepInput { tick: state.tick, duration: 0.25, ..StepInput::default() };
+        let after = |solver: &mut dyn FluidSolver| {
+            solver.restore(state).unwrap();
+            assert_eq!(solver.step(&input).unwrap().substeps, 1);
+            let mut moved = rows(solver, Field::Position);
+            for (row, start) in moved.iter_mut().zip(&state.positions) {
+                *row = std::array::from_fn(|axis| row[axis] - f64::from(start[axis]));
+            }
+            [moved, rows(solver, Field::Velocity)]
+        };
+        let worst = |(a, b): (&Vec<[f64; 3]>, &Vec<[f64; 3]>)| {
+            let largest = a.iter().flatten().fold(0.0f64, |most, value| most.max(value.abs()));
+            let apart = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());
+            apart.fold(0.0, f64::max) / largest
+        };
+        let (a, b) = (after(&mut cpu), after(&mut gpu));
+        a.iter().zip(&b).map(worst).fold(0.0, f64::max)
+    };
+    for state in &states {
+        let found = difference(state, None);
+        assert!(found < TOLERANCE, "{found:e}");
+    }
+    let limit = "fields::parameters.longest_correction /";
+    let found = difference(&states[0], Some((limit, "1.05 * fields::parameters.longest_correction /")));
+    assert!(found > 100.0 * TOLERANCE, "longest correction: {found:e}");
+    let rate = "fields::parameters.by_velocity_rate";
+    let found = difference(&states[1], Some((rate, "1.05 * fields::parameters.by_velocity_rate")));
+    assert!(found > 100.0 * TOLERANCE, "rate by velocity: {found:e}");
+}
+
 /// The same with a fixed and a light ball: also how many iterations are made for them, and what they are given, to 1e-4 of the largest.
 #[test]
 fn incompressible_stages_with_bodies_agree_from_the_same_states() {

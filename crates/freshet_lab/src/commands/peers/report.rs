@@ -1,9 +1,8 @@
 //! Table, CSV and chart of the peers.
 
-use std::time::{SystemTime, UNIX_EPOCH};
-
 use super::{Kept, Peer, Run};
 use crate::chart::{self, Chart, Colour, Mark, Panel, Scale, Series};
+use crate::date::today;
 use crate::error::LabError;
 use crate::measure::statistics::{median, spread};
 use crate::output::{Csv, Output};
@@ -209,32 +208,6 @@ fn front_points(run: &Run) -> Vec<(f64, f64)> {
     [(0.0, 1.0)].into_iter().chain(later).collect()
 }
 
-/// The date, year-month-day, in universal time.
-fn today() -> String {
-    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    date_of(seconds / 86_400)
-}
-
-/// The date of a number of days after 1970-01-01.
-fn date_of(mut days: u64) -> String {
-    let leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
-    let mut year = 1970;
-    while days >= 365 + u64::from(leap(year)) {
-        days -= 365 + u64::from(leap(year));
-        year += 1;
-    }
-    let february = 28 + u64::from(leap(year));
-    let mut month = 1;
-    for length in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30] {
-        if days < length {
-            break;
-        }
-        days -= length;
-        month += 1;
-    }
-    format!("{year}-{month:02}-{:02}", days + 1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::tests::measured_run;
@@ -257,13 +230,5 @@ mod tests {
         assert_eq!(text.matches(",unknown,unknown,").count(), 2, "{text}");
         assert!(text.starts_with("# Systems in the benchmark tank, 2026-01-02"), "{text}");
         assert_eq!(chart(&runs).panels[1].series.len(), 3);
-    }
-
-    #[test]
-    fn dates_count_leap_years() {
-        assert_eq!(date_of(0), "1970-01-01");
-        assert_eq!(date_of(11_016), "2000-02-29");
-        assert_eq!(date_of(20_454), "2026-01-01");
-        assert_eq!(date_of(20_818), "2026-12-31");
     }
 }

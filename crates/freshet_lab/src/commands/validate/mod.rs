@@ -1,5 +1,6 @@
 //! `validate`: every case of the registry against its reference.
 
+mod bounds;
 pub mod cases;
 mod registry;
 mod study;
@@ -8,6 +9,7 @@ use std::time::Instant;
 
 use clap::Args;
 
+use bounds::Bounds;
 pub use registry::{CASES, Case, Findings, Job, WITH_BODIES};
 pub use study::{Level, Study, Trace};
 
@@ -24,7 +26,7 @@ use crate::verdict::Verdict;
 /// Most cases run at three resolutions, two in the quick form, the coarsest alone on a GPU driver in software. Each has a bound on its error at the
 /// finest of the full form; what is smooth also has to get better: its error there over that at the coarsest is at most 0.6. They
 /// write NAME.csv and NAME.svg. The others are commands of their own (column: one resolution; float: two; dam-break: three) with their
-/// own bounds and files, see their help. What a backend cannot do is named and left out; so are, of the quick form on a GPU driver in software, the cases with
+/// own bounds and files, see their help. All bounds judged, of this and earlier runs into the folder, are in bounds.csv. What a backend cannot do is named and left out; so are, of the quick form on a GPU driver in software, the cases with
 /// bodies, unless they are named.
 #[derive(Args, Clone, Debug)]
 pub struct ValidateArgs {
@@ -94,6 +96,7 @@ pub fn run(args: &ValidateArgs) -> Result<Verdict, LabError> {
     }
     let output = Output::new(&args.common.out)?;
     let (mut levels, mut verdict, mut left_out) = (Vec::new(), Verdict::default(), Vec::new());
+    let mut bounds_of_cases = Bounds::default();
     for &backend in args.common.backends(BackendChoice::Cpu) {
         let ValidateArgs { threads, bodies, lockstep, .. } = *args;
         let job = Job { backend, quick: args.common.quick, threads, bodies, lockstep, output: output.clone() };
@@ -115,6 +118,9 @@ pub fn run(args: &ValidateArgs) -> Result<Verdict, LabError> {
                     say(format_args!("{} on the {backend}: {kept} of {bounds} bounds kept, {seconds:.0} s", case.name));
                     let remarks = found.levels.iter().flat_map(|level| &level.remarks);
                     remarks.for_each(|remark| say(format_args!("  {remark}")));
+                    bounds_of_cases.add(case.name, &job, &found.verdict);
+                    // After each case: a run that is interrupted keeps what it has judged.
+                    bounds_of_cases.write(&output)?;
                     levels.extend(found.levels.into_iter().map(|level| (case.name, backend, level)));
                     verdict.checks.extend(found.verdict.checks);
                     verdict.unmeasured.extend(found.verdict.unmeasured);
