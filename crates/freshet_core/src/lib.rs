@@ -10,6 +10,7 @@ pub mod error;
 pub mod field;
 pub mod geometry;
 pub mod grid;
+pub mod integrator;
 pub mod kernel;
 pub mod leaks;
 pub mod material;
@@ -41,6 +42,7 @@ pub mod prelude {
     pub use crate::error::InvalidInput;
     pub use crate::field::{Field, FieldData};
     pub use crate::geometry::{HeightField, TriangleMesh};
+    pub use crate::integrator::Integrator;
     pub use crate::kernel::KernelKind;
     pub use crate::material::Material;
     pub use crate::periodic::Periodic;

@@ -14,6 +14,7 @@ pub use self::friction::Friction;
 use crate::emitter::Emitter;
 use crate::equation_of_state::EquationOfState;
 use crate::error::{InvalidInput, check_finite, check_range};
+use crate::integrator::Integrator;
 use crate::kernel::KernelKind;
 use crate::material::Material;
 use crate::periodic::Periodic;
@@ -297,6 +298,9 @@ pub struct Settings {
     pub relaxation: Option<Relaxation>,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
     pub viscosity_model: Option<ViscosityModel>,
+    /// How accelerations become velocities and positions. An incompressible fluid has a way of its own, and takes the default only. Forward Euler and
+    /// the position-corrected Beeman are refused: under them every oscillation grows, as `freshet_lab integrators` shows.
+    pub integrator: Integrator,
     /// Substep over `h / (c + v)`, or, of an incompressible fluid, over `d / v`: 0.01 to 1.
     pub courant_factor: f32,
     /// Substep over `sqrt(h / a)`, 0.01 to 1; an incompressible fluid does not need it.
@@ -334,6 +338,7 @@ impl Default for Settings {
             widest_support: 1.0,
             relaxation: None,
             viscosity_model: None,
+            integrator: Integrator::default(),
             courant_factor: 0.4,
             force_factor: 0.25,
             viscous_factor: 0.125,
@@ -373,6 +378,9 @@ impl Settings {
         if self.widest_support != 1.0 {
             return Err(InvalidInput::new("widest_support", self.widest_support, allowed));
         }
+        if self.integrator != Integrator::default() {
+            return Err(InvalidInput::new("integrator", self.integrator.name(), allowed));
+        }
         Ok(())
     }
 
@@ -382,6 +390,12 @@ impl Settings {
             Support::Neighbours(count) => check_range("support", count, 14.0, 270.0, "neighbours")?,
         }
         self.check_pressure_solver()?;
+        if self.integrator.in_solvers().is_none() {
+            let others = Integrator::ALL.into_iter().filter(|other| other.in_solvers().is_some());
+            let names: Vec<&str> = others.map(Integrator::name).collect();
+            let allowed = format!("{}; under the others every oscillation grows", names.join(", "));
+            return Err(InvalidInput::new("integrator", self.integrator.name(), allowed));
+        }
         if let Some(equation) = &self.equation_of_state {
             equation.validate().map_err(|error| error.inside("equation_of_state"))?;
         }

@@ -4,6 +4,7 @@ use glam::{Mat3, Vec3};
 
 use crate::equation_of_state::PressureLaw;
 use crate::error::InvalidInput;
+use crate::integrator::Integrator;
 use crate::kernel::{Kernel, KernelKind};
 use crate::pressure_solver::{DivergenceFree, PressureSolver};
 
@@ -58,6 +59,8 @@ pub struct Parameters {
     pub dynamic_viscosity: f32,
     /// Divisor of Morris' pair forces, so that a parabolic velocity on the rest lattice has its exact force.
     pub viscous_calibration: f32,
+    /// How accelerations become velocities and positions.
+    pub integrator: Integrator,
     /// Step factors: Courant, force, viscous.
     pub courant_factor: f32,
     /// See [`Settings::force_factor`](crate::scene::Settings::force_factor).

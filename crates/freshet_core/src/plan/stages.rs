@@ -160,14 +160,10 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     if !bodies.is_empty() {
         add(StageKind::BodyMotion, "bodies answer within the tick");
     }
-    add(
-        StageKind::Integrate,
-        if scene.periodic.any() {
-            "semi-implicit Euler: one force evaluation a substep, energy error bounded; the domain repeats itself"
-        } else {
-            "semi-implicit Euler: one force evaluation a substep, energy error bounded"
-        },
-    );
+    let integrator = scene.settings.integrator;
+    let repeats = if scene.periodic.any() { "; the domain repeats itself" } else { "" };
+    let what = integrator.in_solvers().unwrap_or_default();
+    add(StageKind::Integrate, &format!("{}: {what}{repeats}", integrator.name()));
     stages
 }
 
