@@ -6,7 +6,7 @@ mod simulate;
 
 use clap::Args;
 
-pub use simulate::{HeightError, Run, simulate};
+pub use simulate::{HeightError, Run, simulate, simulate_with};
 
 use crate::backend::Backend;
 use crate::error::LabError;
