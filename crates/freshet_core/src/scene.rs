@@ -19,6 +19,7 @@ use crate::kernel::KernelKind;
 use crate::material::Material;
 use crate::periodic::Periodic;
 use crate::plan::sample_boundary;
+use crate::pressure_force::PressureForce;
 use crate::pressure_solver::PressureSolver;
 use crate::relaxation::Relaxation;
 use crate::sampling::wall_layer::WallLayer;
@@ -272,6 +273,8 @@ pub struct Settings {
     pub pressure_solver: PressureSolver,
     /// Pressure as a function of density, with its own speed of sound; none takes Tait's with [`sound_speed`](Self::sound_speed).
     pub equation_of_state: Option<EquationOfState>,
+    /// How pressures become forces; of weakly compressible fluids. See [`pressure_force`](crate::pressure_force).
+    pub pressure_force: PressureForce,
     /// Whether negative pressures are set to zero (E eq. 9), so that fluid does not pull at itself.
     pub clamp_negative_pressure: bool,
     /// Speed of sound, m/s, 1e-3 to 1e4; none takes ten times the expected speed. Not together with an equation of state.
@@ -328,6 +331,7 @@ impl Default for Settings {
             support: Support::Ratio(2.0),
             pressure_solver: PressureSolver::WeaklyCompressible,
             equation_of_state: None,
+            pressure_force: PressureForce::default(),
             clamp_negative_pressure: true,
             sound_speed: None,
             expected_speed: None,
@@ -381,6 +385,9 @@ impl Settings {
         if self.integrator != Integrator::default() {
             return Err(InvalidInput::new("integrator", self.integrator.name(), allowed));
         }
+        if self.pressure_force != PressureForce::default() {
+            return Err(InvalidInput::new("pressure_force", self.pressure_force.name(), allowed));
+        }
         Ok(())
     }
 
@@ -412,6 +419,10 @@ impl Settings {
         check_range("near_pressure", self.near_pressure, 0.0, 0.1, "")?;
         check_range("xsph", self.xsph, 0.0, 1.0, "")?;
         check_range("widest_support", self.widest_support, 1.0, variable_support::MOST, "times the support radius")?;
+        if self.widest_support != 1.0 && self.pressure_force != PressureForce::Monaghan {
+            let allowed = "Monaghan, with a settings.widest_support above 1";
+            return Err(InvalidInput::new("pressure_force", self.pressure_force.name(), allowed));
+        }
         if let Some(relaxation) = &self.relaxation {
             relaxation.validate().map_err(|error| error.inside("relaxation"))?;
         }

@@ -85,6 +85,19 @@ fn the_plan_says_by_which_integrator_particles_move_and_refuses_those_under_whic
 }
 
 #[test]
+fn the_plan_says_which_form_the_pressure_force_has_and_refuses_what_does_not_go_together() {
+    let mut scene = dam_break();
+    assert!(reason(&Plan::new(&scene).unwrap(), StageKind::Acceleration).starts_with("pressure, "));
+    scene.settings.pressure_force = PressureForce::Mueller;
+    let plan = Plan::new(&scene).unwrap();
+    assert!(reason(&plan, StageKind::Acceleration).starts_with("pressure by Mueller's form, "), "{plan}");
+    scene.settings.widest_support = 1.5;
+    let message = refused(&scene);
+    let words = ["settings.pressure_force", "Mueller", "Monaghan, with a settings.widest_support above 1"];
+    assert!(words.iter().all(|word| message.contains(word)), "{message}");
+}
+
+#[test]
 fn supports_that_grow_are_a_stage_and_make_cells_longer() {
     use StageKind::{Acceleration, Density, Integrate, Sort, StepControl, Support};
     let plain = Plan::new(&dam_break()).unwrap();
@@ -720,6 +733,7 @@ fn what_an_incompressible_fluid_cannot_have_is_refused() {
         (with(|scene| scene.settings.widest_support = 1.5), ["settings.widest_support", "1.5", only]),
         (with(|scene| scene.settings.near_pressure = 0.01), ["settings.near_pressure", "0.01", only]),
         (with(|scene| scene.settings.integrator = Integrator::Leapfrog), ["settings.integrator", "leapfrog", only]),
+        (with(|scene| scene.settings.pressure_force = PressureForce::Mueller), ["pressure_force", "Mueller", only]),
     ] {
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
     }

@@ -1,6 +1,7 @@
 //! From the plan's stages to the dispatches of a substep: which entry point, which buffers, how many groups.
 
 use freshet_core::plan::{Plan, StageKind};
+use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::ScheduledPass;
 use freshet_shaders::{ShaderFile, passes};
@@ -132,9 +133,11 @@ pub(crate) fn history_words(plan: &Plan) -> u64 {
     plan.parameters.integrator.words() as u64
 }
 
-/// Whether pairs need each other's velocities.
+/// Whether pairs need each other's velocities, or the densities that come with them.
 pub(crate) fn needs_velocities(plan: &Plan) -> bool {
-    plan.parameters.artificial_viscosity > 0.0 || plan.parameters.dynamic_viscosity > 0.0
+    let parameters = &plan.parameters;
+    let mueller = parameters.pressure_force == PressureForce::Mueller;
+    parameters.artificial_viscosity > 0.0 || parameters.dynamic_viscosity > 0.0 || mueller
 }
 
 /// Whether fluid sticks to walls some of which move.

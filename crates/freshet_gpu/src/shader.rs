@@ -7,6 +7,7 @@ use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
 use freshet_core::plan::{Plan, StageKind};
+use freshet_core::pressure_force::PressureForce;
 use freshet_core::solver::SolverError;
 use freshet_core::variable_support::EVALUATIONS;
 use freshet_shaders::library;
@@ -64,6 +65,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("SAMPLES", walls || bodies),
         ("PAIR_VELOCITIES", needs_velocities(plan)),
         ("ARTIFICIAL_VISCOSITY", parameters.artificial_viscosity > 0.0),
+        ("MUELLER_FORCE", parameters.pressure_force == PressureForce::Mueller),
         ("NEAR_PRESSURE", parameters.near_pressure > 0.0),
         ("XSPH_DRIFT", parameters.xsph > 0.0),
         ("WIDTHS", parameters.widest_support > 1.0),

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
+use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::relaxation::Relaxation;
 use freshet_core::scene::{Settings, Support};
@@ -21,6 +22,8 @@ pub struct FluidSettings {
     pub pressure_solver: FluidPressureSolver,
     /// Pressure as a function of density; none takes Tait's with the sound speed.
     pub equation_of_state: Option<FluidEquationOfState>,
+    /// How pressures become forces; an incompressible fluid takes the default only.
+    pub pressure_force: FluidPressureForce,
     /// Whether negative pressures are set to zero, so that fluid does not pull at itself.
     pub clamp_negative_pressure: bool,
     /// Speed of sound, m/s, 1e-3 to 1e5; none takes ten times the expected speed.
@@ -71,6 +74,7 @@ impl FluidSettings {
             support_ratio,
             pressure_solver: settings.pressure_solver.into(),
             equation_of_state: settings.equation_of_state.map(Into::into),
+            pressure_force: settings.pressure_force.into(),
             clamp_negative_pressure: settings.clamp_negative_pressure,
             sound_speed: settings.sound_speed,
             expected_speed: settings.expected_speed,
@@ -97,6 +101,7 @@ impl FluidSettings {
             support: Support::Ratio(self.support_ratio),
             pressure_solver: self.pressure_solver.into(),
             equation_of_state: self.equation_of_state.map(Into::into),
+            pressure_force: self.pressure_force.into(),
             clamp_negative_pressure: self.clamp_negative_pressure,
             sound_speed: self.sound_speed,
             expected_speed: self.expected_speed,
@@ -229,6 +234,35 @@ impl From<Integrator> for FluidIntegrator {
             Integrator::Beeman => Self::Beeman,
             Integrator::VelocityCorrectedBeeman => Self::VelocityCorrectedBeeman,
             Integrator::PositionCorrectedBeeman => Self::PositionCorrectedBeeman,
+        }
+    }
+}
+
+/// How pressures become forces; formulas stand at [`PressureForce`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidPressureForce {
+    /// Monaghan's.
+    #[default]
+    Monaghan,
+    /// Mueller's; not with supports of different width.
+    Mueller,
+}
+
+impl From<FluidPressureForce> for PressureForce {
+    fn from(force: FluidPressureForce) -> Self {
+        match force {
+            FluidPressureForce::Monaghan => Self::Monaghan,
+            FluidPressureForce::Mueller => Self::Mueller,
+        }
+    }
+}
+
+impl From<PressureForce> for FluidPressureForce {
+    fn from(force: PressureForce) -> Self {
+        match force {
+            PressureForce::Monaghan => Self::Monaghan,
+            PressureForce::Mueller => Self::Mueller,
         }
     }
 }

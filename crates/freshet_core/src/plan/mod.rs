@@ -22,8 +22,8 @@ pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_v
 pub use self::stages::{Stage, StageKind};
 
 use self::checks::{
-    check_bounds, check_driven, check_particles_within, check_periods, check_precision, check_quasi_fluid,
-    check_relaxation, max_particles,
+    check_bounds, check_driven, check_particles_within, check_periods, check_precision,
+    check_quasi_fluid, check_relaxation, max_particles,
 };
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
@@ -206,6 +206,7 @@ impl Plan {
             least_diagonal: DivergenceFree::LEAST_DIAGONAL * diagonal as f32,
             pressure_frequency,
             pressure_law: PressureLaw { equation, clamp_negative: settings.clamp_negative_pressure },
+            pressure_force: settings.pressure_force,
             sound_speed,
             expected_speed,
             artificial_viscosity: settings.artificial_viscosity,

@@ -6,6 +6,7 @@ use crate::equation_of_state::PressureLaw;
 use crate::error::InvalidInput;
 use crate::integrator::Integrator;
 use crate::kernel::{Kernel, KernelKind};
+use crate::pressure_force::PressureForce;
 use crate::pressure_solver::{DivergenceFree, PressureSolver};
 
 /// Every number the solvers use, derived once.
@@ -42,6 +43,8 @@ pub struct Parameters {
     pub pressure_frequency: f32,
     /// Pressure as a function of density, if it is one.
     pub pressure_law: PressureLaw,
+    /// How pressures become forces.
+    pub pressure_force: PressureForce,
     /// Speed of sound at rest density, m/s.
     pub sound_speed: f32,
     /// Speed the flow is expected to reach, m/s.

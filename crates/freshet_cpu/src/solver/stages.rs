@@ -133,6 +133,7 @@ impl CpuSolver {
             samples: those_with_samples(&samples),
             density: &self.density,
             pressure_term: terms,
+            force: parameters.pressure_force,
             width: self.plan.has(StageKind::Support).then_some(&*self.width),
             fluid_factor: -parameters.particle_mass * scale,
             sample_factor: -parameters.rest_density * scale,
