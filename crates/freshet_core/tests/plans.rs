@@ -82,6 +82,17 @@ fn the_plan_says_by_which_integrator_particles_move_and_refuses_those_under_whic
         }
     }
     assert_eq!(Integrator::ALL.into_iter().filter(|integrator| integrator.in_solvers().is_none()).count(), 2);
+    let mut scene = dam_break();
+    let limit = |scene: &FluidScene| Plan::new(scene).unwrap().parameters.viscous_limit();
+    let by_default = limit(&scene);
+    scene.settings.integrator = Integrator::VelocityCorrectedBeeman;
+    assert!((limit(&scene) / by_default - 0.3).abs() < 1e-6, "as much shorter as it bears less of a drag");
+    scene.boundaries[0].friction = Friction::coulomb(0.5);
+    let message = refused(&scene);
+    let words = ["settings.integrator", "velocity-corrected Beeman", "another one, as boundaries[0] has friction"];
+    assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    scene.settings.integrator = Integrator::Beeman;
+    assert!(Plan::new(&scene).is_ok());
 }
 
 #[test]

@@ -73,6 +73,23 @@ impl Integrator {
         }
     }
 
+    /// The largest stable `c h` of a particle in a solver that a drag `-c v` slows down and nothing else; viscous limits of substeps go with it.
+    ///
+    /// By the spectral radius of `z^3 - z^2 + c h (2 z^2 + 5 z - 1)/6` for Beeman's, and of that plus `c h (3 z - 1)(z - 1)/2` for the velocity-corrected one.
+    pub const fn drag_limit(self) -> f32 {
+        match self {
+            Self::Beeman => 1.291,
+            Self::VelocityCorrectedBeeman | Self::PositionCorrectedBeeman => 0.6,
+            Self::ForwardEuler
+            | Self::SemiImplicitEuler
+            | Self::Verlet
+            | Self::VelocityVerlet
+            | Self::ModifiedVelocityVerlet
+            | Self::Leapfrog
+            | Self::Clavet => 2.0,
+        }
+    }
+
     /// The velocity that a particle has after a substep of `h` seconds, m/s, from the velocity `v` and acceleration `a` that it had before.
     #[inline(always)]
     pub fn velocity(self, v: f32, a: f32, past: Past, h: f32) -> f32 {
@@ -186,6 +203,22 @@ mod tests {
             for ratio in [1.0, 0.4] {
                 assert!(expected.contains(&order(ratio)), "{}, ratio {ratio}: {}", integrator.name(), order(ratio));
             }
+        }
+    }
+
+    /// A drag stops a particle in steps a little shorter than the limit; in longer ones its velocity grows.
+    #[test]
+    fn drags_are_borne_up_to_their_limits() {
+        for integrator in STEPPED {
+            let left = |share: f32| {
+                let drag = share * integrator.drag_limit();
+                let mut state = (0.0, 1.0, Past::default());
+                for _ in 0..3000 {
+                    advance(integrator, |_, v: f32| -drag * v.clamp(-1e6, 1e6), &mut state, 1.0);
+                }
+                state.1.abs()
+            };
+            assert!(left(0.98) < 1e-3 && left(1.02) > 1e3, "{}: {} {}", integrator.name(), left(0.98), left(1.02));
         }
     }
 

@@ -22,7 +22,7 @@ pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_v
 pub use self::stages::{Stage, StageKind};
 
 use self::checks::{
-    check_bounds, check_driven, check_particles_within, check_periods, check_precision,
+    check_bounds, check_driven, check_friction, check_particles_within, check_periods, check_precision,
     check_quasi_fluid, check_relaxation, max_particles,
 };
 use self::extent::Extent;
@@ -109,6 +109,7 @@ impl Plan {
         check_driven(scene)?;
         check_quasi_fluid(scene)?;
         check_relaxation(scene)?;
+        check_friction(scene)?;
 
         for (index, emitter) in scene.emitters.iter().enumerate() {
             emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;

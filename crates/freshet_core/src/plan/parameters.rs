@@ -133,11 +133,12 @@ impl Parameters {
         DivergenceFree::RATE_BY_VELOCITY * self.expected_speed / self.spacing * dt
     }
 
-    /// The substep allowed by viscosity alone, s.
+    /// The substep allowed by viscosity alone, s: shorter under integrators that bear [less of it](Integrator::drag_limit).
     pub fn viscous_limit(&self) -> f32 {
         let artificial = self.artificial_viscosity * self.sound_speed * self.smoothing_length / 10.0;
         let nu = artificial + self.dynamic_viscosity / self.rest_density;
-        self.viscous_factor * self.smoothing_length * self.smoothing_length / nu.max(1e-12)
+        let share = self.integrator.drag_limit() / Integrator::default().drag_limit();
+        share * self.viscous_factor * self.smoothing_length * self.smoothing_length / nu.max(1e-12)
     }
 
     /// The substep allowed by how fluid drags a body of so many samples that reach so far, m: what a light body gets from the fluid that
