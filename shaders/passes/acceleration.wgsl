@@ -1,7 +1,7 @@
 // a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k (P_a + Pi_ak) F x_ak ] + Morris' viscosity
 // and, where the plan has a near pressure, -(m/G) sum_b (2 k/rho0) F_near x_ab (freshet_core::near_pressure).
 // P_a of an incompressible fluid is that of the last substep.
-// Pressure form: Monaghan 1992, eq. 3.3. Pi_ab: Monaghan 1992, eq. 4.1, with beta = 0, for all pairs (Monaghan 2005).
+// Pressure form: Monaghan 1992, eq. 3.3, or that of Mueller et al. 2003. Pi_ab: Monaghan 1992, eq. 4.1, with beta = 0, for all pairs (Monaghan 2005).
 // Where supports vary, pairs of the fluid have the mean of both (freshet_core::variable_support).
 // Pi_ak is that of a particle at rest with the density of a, for samples of viscous faces only; Morris' viscosity acts there in
 // its stead. The b come from the bits that the density pass left, see library/hits.wgsl.
@@ -117,7 +117,13 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
 #ifdef PAIR_VELOCITIES
     let motion = fields::velocity_and_density(b);
     let velocity = own.velocity - motion.xyz;
-    var factor = own.pressure_term + pressure_term(b, motion.w);
+    let term = pressure_term(b, motion.w);
+    var factor = own.pressure_term + term;
+#ifdef MUELLER_FORCE
+    // (p_a + p_b) / (rho_a rho_b), see freshet_core::pressure_force
+    let harder = own.pressure_term * own.density - term * motion.w;
+    factor += (own.density - motion.w) * harder / (own.density * motion.w);
+#endif
 #ifdef ARTIFICIAL_VISCOSITY
     factor -= own.artificial_scale * dot(velocity, x) / ((r_squared + own.softening) * (own.density + motion.w));
 #endif

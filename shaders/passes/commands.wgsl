@@ -31,6 +31,11 @@ fn spawn(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
 #ifdef INCOMPRESSIBLE
     fields::set_solved_pressure(target_index, 0.0);
 #endif
+#ifdef HISTORIES
+    for (var word = 0u; word < #{HISTORY_WORDS}u; word++) {
+        fields::set_history(target_index, word, 0.0);
+    }
+#endif
 }
 #endif
 

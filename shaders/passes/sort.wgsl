@@ -112,6 +112,11 @@ fn sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
         fields::set_sorted_position(first + rank, position, id);
         fields::set_velocity_before(first + rank, velocity);
         fields::set_sorted_remaining_life(first + rank, fields::remaining_life(i));
+#ifdef HISTORIES
+        for (var word = 0u; word < #{HISTORY_WORDS}u; word++) {
+            fields::set_sorted_history(first + rank, word, fields::history(i, word));
+        }
+#endif
 #ifdef INCOMPRESSIBLE
         fields::set_sorted_pressure(first + rank, fields::solved_pressure(i));
     }

@@ -4,6 +4,7 @@
 #import freshet::bindings as fields
 #import freshet::grid
 #import freshet::hits
+#import freshet::integrator
 #import freshet::kernels
 #import freshet::threads
 
@@ -16,13 +17,22 @@ struct Own {
     substep: f32,
 }
 
+// The velocity that a particle leaves the substep with.
+fn velocity_after(i: u32, velocity: vec3<f32>, substep: f32) -> vec3<f32> {
+#ifdef INTEGRATOR
+    return integrator::velocity_after(integrator::past_of(i), velocity, fields::acceleration(i), substep);
+#else
+    return velocity + fields::acceleration(i) * substep;
+#endif
+}
+
 fn own_of(a: u32) -> Own {
     let motion = fields::velocity_and_density(a);
     let substep = fields::control.substep;
     return Own(
         fields::sorted_position(a),
         fields::parameters.inverse_support_radius,
-        motion.xyz + fields::acceleration(a) * substep,
+        velocity_after(a, motion.xyz, substep),
         motion.w,
         substep,
     );
@@ -32,7 +42,7 @@ fn own_of(a: u32) -> Own {
 fn from_particle(own: Own, b: u32) -> vec3<f32> {
     let q = length(grid::difference(own.position, fields::sorted_position(b))) * own.inverse_radius;
     let motion = fields::velocity_and_density(b);
-    let velocity = motion.xyz + fields::acceleration(b) * own.substep;
+    let velocity = velocity_after(b, motion.xyz, own.substep);
     return kernels::shape(q) / (own.density + motion.w) * (velocity - own.velocity);
 }
 

@@ -40,6 +40,8 @@ pub mod library {
         KERNELS = "kernels.wgsl",
         /// Pressure from density.
         EQUATION_OF_STATE = "equation_of_state.wgsl",
+        /// Motion by other integrators than semi-implicit Euler.
+        INTEGRATOR = "integrator.wgsl",
         /// Prefix sum over cells.
         SCAN = "scan.wgsl",
         /// What the solves of an incompressible fluid share.

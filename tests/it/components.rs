@@ -198,7 +198,9 @@ fn a_belt_carries_viscous_fluid_in_its_own_direction() {
 
 #[test]
 fn a_scene_with_friction_and_belts_is_spawned_as_it_is_and_planned_the_same() {
-    use freshet_core::prelude::{Boundary, BoundaryShape, FluidScene, Friction, ViscosityModel, Volume};
+    use freshet_core::prelude::{
+        Boundary, BoundaryShape, FluidScene, Friction, Integrator, PressureForce, ViscosityModel, Volume,
+    };
     let turned = Quat::from_rotation_y(0.4);
     let plane = Boundary::new(BoundaryShape::Plane { half_extents: [2.0, 2.0] }, Vec3::NEG_Y);
     let mut scene = FluidScene {
@@ -210,6 +212,8 @@ fn a_scene_with_friction_and_belts_is_spawned_as_it_is_and_planned_the_same() {
         ..FluidScene::with_spacing(0.1)
     };
     scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
+    scene.settings.integrator = Integrator::VelocityVerlet;
+    scene.settings.pressure_force = PressureForce::Mueller;
     let mut test = TestApp::new();
     let domain =
         test.world().commands().spawn_fluid_scene(&scene, |domain| domain.backend = FluidBackend::Cpu).unwrap();
@@ -223,6 +227,8 @@ fn a_scene_with_friction_and_belts_is_spawned_as_it_is_and_planned_the_same() {
     assert_eq!(tank.friction, FluidFriction { at_rest: 0.5, sliding: 0.25 });
     let settings = &world.get::<FluidDomain>(domain).unwrap().settings;
     assert_eq!(settings.viscosity_model, Some(FluidViscosityModel::Morris1997));
+    assert_eq!(settings.integrator, FluidIntegrator::VelocityVerlet);
+    assert_eq!(settings.pressure_force, FluidPressureForce::Mueller);
 }
 
 #[test]

@@ -10,6 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidInput, check_range};
+use crate::integrator::Integrator;
 use crate::plan::{Plan, StageKind};
 use crate::snapshot::Snapshot;
 use crate::solver::{FluidSolver, SolverError};
@@ -57,6 +58,7 @@ impl Relaxation {
         settling.parameters.xsph = 0.0;
         settling.parameters.artificial_viscosity = VISCOSITY;
         settling.parameters.redo_substeps = false;
+        settling.parameters.integrator = Integrator::default();
         settling.parameters.max_substeps = STRIDE;
         settling
     }

@@ -14,10 +14,12 @@ pub use self::friction::Friction;
 use crate::emitter::Emitter;
 use crate::equation_of_state::EquationOfState;
 use crate::error::{InvalidInput, check_finite, check_range};
+use crate::integrator::Integrator;
 use crate::kernel::KernelKind;
 use crate::material::Material;
 use crate::periodic::Periodic;
 use crate::plan::sample_boundary;
+use crate::pressure_force::PressureForce;
 use crate::pressure_solver::PressureSolver;
 use crate::relaxation::Relaxation;
 use crate::sampling::wall_layer::WallLayer;
@@ -271,6 +273,8 @@ pub struct Settings {
     pub pressure_solver: PressureSolver,
     /// Pressure as a function of density, with its own speed of sound; none takes Tait's with [`sound_speed`](Self::sound_speed).
     pub equation_of_state: Option<EquationOfState>,
+    /// How pressures become forces; of weakly compressible fluids. See [`pressure_force`](crate::pressure_force).
+    pub pressure_force: PressureForce,
     /// Whether negative pressures are set to zero (E eq. 9), so that fluid does not pull at itself.
     pub clamp_negative_pressure: bool,
     /// Speed of sound, m/s, 1e-3 to 1e4; none takes ten times the expected speed. Not together with an equation of state.
@@ -297,6 +301,9 @@ pub struct Settings {
     pub relaxation: Option<Relaxation>,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
     pub viscosity_model: Option<ViscosityModel>,
+    /// How accelerations become velocities and positions. An incompressible fluid has a way of its own, and takes the default only. Forward Euler and
+    /// the position-corrected Beeman are refused: under them every oscillation grows, as `freshet_lab integrators` shows.
+    pub integrator: Integrator,
     /// Substep over `h / (c + v)`, or, of an incompressible fluid, over `d / v`: 0.01 to 1.
     pub courant_factor: f32,
     /// Substep over `sqrt(h / a)`, 0.01 to 1; an incompressible fluid does not need it.
@@ -324,6 +331,7 @@ impl Default for Settings {
             support: Support::Ratio(2.0),
             pressure_solver: PressureSolver::WeaklyCompressible,
             equation_of_state: None,
+            pressure_force: PressureForce::default(),
             clamp_negative_pressure: true,
             sound_speed: None,
             expected_speed: None,
@@ -334,6 +342,7 @@ impl Default for Settings {
             widest_support: 1.0,
             relaxation: None,
             viscosity_model: None,
+            integrator: Integrator::default(),
             courant_factor: 0.4,
             force_factor: 0.25,
             viscous_factor: 0.125,
@@ -373,6 +382,12 @@ impl Settings {
         if self.widest_support != 1.0 {
             return Err(InvalidInput::new("widest_support", self.widest_support, allowed));
         }
+        if self.integrator != Integrator::default() {
+            return Err(InvalidInput::new("integrator", self.integrator.name(), allowed));
+        }
+        if self.pressure_force != PressureForce::default() {
+            return Err(InvalidInput::new("pressure_force", self.pressure_force.name(), allowed));
+        }
         Ok(())
     }
 
@@ -382,6 +397,12 @@ impl Settings {
             Support::Neighbours(count) => check_range("support", count, 14.0, 270.0, "neighbours")?,
         }
         self.check_pressure_solver()?;
+        if self.integrator.in_solvers().is_none() {
+            let others = Integrator::ALL.into_iter().filter(|other| other.in_solvers().is_some());
+            let names: Vec<&str> = others.map(Integrator::name).collect();
+            let allowed = format!("{}; under the others every oscillation grows", names.join(", "));
+            return Err(InvalidInput::new("integrator", self.integrator.name(), allowed));
+        }
         if let Some(equation) = &self.equation_of_state {
             equation.validate().map_err(|error| error.inside("equation_of_state"))?;
         }
@@ -398,6 +419,10 @@ impl Settings {
         check_range("near_pressure", self.near_pressure, 0.0, 0.1, "")?;
         check_range("xsph", self.xsph, 0.0, 1.0, "")?;
         check_range("widest_support", self.widest_support, 1.0, variable_support::MOST, "times the support radius")?;
+        if self.widest_support != 1.0 && self.pressure_force != PressureForce::Monaghan {
+            let allowed = "Monaghan, with a settings.widest_support above 1";
+            return Err(InvalidInput::new("pressure_force", self.pressure_force.name(), allowed));
+        }
         if let Some(relaxation) = &self.relaxation {
             relaxation.validate().map_err(|error| error.inside("relaxation"))?;
         }

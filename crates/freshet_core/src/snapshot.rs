@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidInput, check_finite, check_range};
+use crate::integrator::Integrator;
 use crate::step::{Impulse, StepInput};
 
 /// The state a solver starts from and can return to.
@@ -37,6 +38,10 @@ pub struct Snapshot {
     pub pressures: Vec<f32>,
     /// Length of the last substep, s, likewise; zero for none.
     pub last_substep: f32,
+    /// Which integrator made it: with another one [`histories`](Self::histories) mean nothing.
+    pub integrator: Integrator,
+    /// What the integrator [keeps](Integrator::words) of each particle, one after the other; empty if nothing, zero for what is new.
+    pub histories: Vec<f32>,
     /// For each body, the impulses of ticks its engine may not have heard of yet.
     pub exchanges: Vec<[Exchange; 4]>,
     /// Where the last tick left each body, in the plan's order; none, or beyond the end, for a body that is new.
@@ -92,7 +97,7 @@ pub enum SnapshotError {
 }
 
 /// First bytes of a saved snapshot; the last is the version of the format.
-const MAGIC: &[u8] = b"FRESHET\x04";
+const MAGIC: &[u8] = b"FRESHET\x05";
 
 /// What is known of bodies, for the bodies of another plan: `before` is what
 /// [`Plan::bodies_of`](crate::plan::Plan::bodies_of) says.
@@ -114,6 +119,11 @@ impl Snapshot {
     /// to be found out. For solvers.
     pub fn is_start(&self) -> bool {
         self.tick == 0
+    }
+
+    /// What an integrator keeps of each particle, if it made the snapshot; empty otherwise. For solvers.
+    pub fn histories_for(&self, integrator: Integrator) -> &[f32] {
+        if self.integrator == integrator { &self.histories } else { &[] }
     }
 
     /// The snapshot as bytes: eight bytes of magic and version, the CRC-32 of what follows (four bytes, the lowest first),
@@ -182,6 +192,16 @@ impl Snapshot {
         if let Some(index) = self.pressures.iter().position(|pressure| !(pressure.is_finite() && *pressure >= 0.0)) {
             let field = format!("pressures[{index}]");
             return Err(InvalidInput::new(field, self.pressures[index], "0 or more").into());
+        }
+        let words = count * self.integrator.words();
+        if !self.histories.is_empty() && self.histories.len() != words {
+            let each = self.integrator.words();
+            let allowed = format!("none or {words}, {each} for each id as {} keeps", self.integrator.name());
+            return Err(InvalidInput::new("histories", self.histories.len(), allowed).into());
+        }
+        if let Some(index) = self.histories.iter().position(|value| !value.is_finite()) {
+            let field = format!("histories[{index}]");
+            return Err(InvalidInput::new(field, self.histories[index], "finite numbers").into());
         }
         check_range("last_substep", self.last_substep, 0.0, StepInput::MAX_DURATION, "s")?;
         if let Some(index) = self.remaining_lives.iter().position(|life| life.is_nan()) {

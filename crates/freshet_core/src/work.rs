@@ -10,6 +10,7 @@ use std::f64::consts::PI;
 use crate::equation_of_state::EquationOfState;
 use crate::kernel::KernelKind;
 use crate::plan::{Parameters, StageKind};
+use crate::pressure_force::PressureForce;
 use crate::pressure_solver::PressureSolver;
 use crate::variable_support;
 
@@ -61,8 +62,10 @@ impl Work {
                 Self { per_particle: evaluations * (2 + 4 + POWER + 3), per_pair }
             }
             StageKind::Acceleration => {
+                let mueller = parameters.pressure_force == PressureForce::Mueller;
+                // Mueller's form takes the way of the artificial viscosity, whether there is any or not.
                 let (artificial, physical) =
-                    (parameters.artificial_viscosity > 0.0, parameters.dynamic_viscosity > 0.0);
+                    (mueller || parameters.artificial_viscosity > 0.0, parameters.dynamic_viscosity > 0.0);
                 let mut per_pair = DISTANCE + RELATIVE + slope + 2 + ADD_VECTOR + width(4);
                 if artificial || physical {
                     // Difference of velocities.
@@ -75,6 +78,10 @@ impl Work {
                 if physical {
                     // Divisor, dividend, quotient, slope, vector.
                     per_pair += 3 + 1 + 1 + 1 + ADD_VECTOR;
+                }
+                if mueller {
+                    // A loop of its own: differences of densities and pressures, divisor, dividend, quotient, product.
+                    per_pair += DISTANCE + RELATIVE + slope + 6 + ADD_VECTOR;
                 }
                 if parameters.near_pressure > 0.0 {
                     // A loop of its own.
@@ -184,6 +191,12 @@ mod tests {
             scene.settings.near_pressure = 0.01;
         })?;
         assert_eq!(Work::of(StageKind::Acceleration, &near).per_pair, 24 + 24);
+        let mueller = parameters(|scene| {
+            scene.settings.artificial_viscosity = 0.0;
+            scene.settings.pressure_force = PressureForce::Mueller;
+        })?;
+        // What there is with viscosity, and a loop as that without any, whose strength takes 6.
+        assert_eq!(Work::of(StageKind::Acceleration, &mueller).per_pair, 38 + 24 - 2 + 6);
         // As density without its factor, and: dv 3, rho + rho 1, quotient 1, sum 6.
         assert_eq!(Work::of(StageKind::Xsph, &calm).per_pair, 18 + 11);
         // As density, a factor more, without its multiply-add: each of the evaluations. Then widths, and powers of them.

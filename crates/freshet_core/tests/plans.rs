@@ -66,6 +66,49 @@ fn xsph_is_a_stage_of_plans_that_ask_for_it_and_knows_both_solvers() {
 }
 
 #[test]
+fn the_plan_says_by_which_integrator_particles_move_and_refuses_those_under_which_oscillations_grow() {
+    for integrator in Integrator::ALL {
+        let mut scene = dam_break();
+        scene.settings.integrator = integrator;
+        if integrator.in_solvers().is_some() {
+            let plan = Plan::new(&scene).unwrap();
+            assert_eq!(plan.parameters.integrator, integrator);
+            assert!(reason(&plan, StageKind::Integrate).starts_with(&format!("{}: ", integrator.name())), "{plan}");
+        } else {
+            let message = refused(&scene);
+            let words =
+                ["settings.integrator", integrator.name(), "semi-implicit Euler, Verlet", "every oscillation grows"];
+            assert!(words.iter().all(|word| message.contains(word)), "{message}");
+        }
+    }
+    assert_eq!(Integrator::ALL.into_iter().filter(|integrator| integrator.in_solvers().is_none()).count(), 2);
+    let mut scene = dam_break();
+    let limit = |scene: &FluidScene| Plan::new(scene).unwrap().parameters.viscous_limit();
+    let by_default = limit(&scene);
+    scene.settings.integrator = Integrator::VelocityCorrectedBeeman;
+    assert!((limit(&scene) / by_default - 0.3).abs() < 1e-6, "as much shorter as it bears less of a drag");
+    scene.boundaries[0].friction = Friction::coulomb(0.5);
+    let message = refused(&scene);
+    let words = ["settings.integrator", "velocity-corrected Beeman", "another one, as boundaries[0] has friction"];
+    assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    scene.settings.integrator = Integrator::Beeman;
+    assert!(Plan::new(&scene).is_ok());
+}
+
+#[test]
+fn the_plan_says_which_form_the_pressure_force_has_and_refuses_what_does_not_go_together() {
+    let mut scene = dam_break();
+    assert!(reason(&Plan::new(&scene).unwrap(), StageKind::Acceleration).starts_with("pressure, "));
+    scene.settings.pressure_force = PressureForce::Mueller;
+    let plan = Plan::new(&scene).unwrap();
+    assert!(reason(&plan, StageKind::Acceleration).starts_with("pressure by Mueller's form, "), "{plan}");
+    scene.settings.widest_support = 1.5;
+    let message = refused(&scene);
+    let words = ["settings.pressure_force", "Mueller", "Monaghan, with a settings.widest_support above 1"];
+    assert!(words.iter().all(|word| message.contains(word)), "{message}");
+}
+
+#[test]
 fn supports_that_grow_are_a_stage_and_make_cells_longer() {
     use StageKind::{Acceleration, Density, Integrate, Sort, StepControl, Support};
     let plain = Plan::new(&dam_break()).unwrap();
@@ -700,6 +743,8 @@ fn what_an_incompressible_fluid_cannot_have_is_refused() {
         (with(|scene| scene.settings.clamp_negative_pressure = false), ["clamp_negative_pressure", "false", only]),
         (with(|scene| scene.settings.widest_support = 1.5), ["settings.widest_support", "1.5", only]),
         (with(|scene| scene.settings.near_pressure = 0.01), ["settings.near_pressure", "0.01", only]),
+        (with(|scene| scene.settings.integrator = Integrator::Leapfrog), ["settings.integrator", "leapfrog", only]),
+        (with(|scene| scene.settings.pressure_force = PressureForce::Mueller), ["pressure_force", "Mueller", only]),
     ] {
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
     }

@@ -203,7 +203,7 @@ fn what_could_not_be_read_again_is_not_written() {
 }
 
 /// Each: what is changed into what, then field, value and allowed range as the message must name them.
-const INVALID: [(&str, &str, [&str; 3]); 53] = [
+const INVALID: [(&str, &str, [&str; 3]); 55] = [
     ("Spacing(0.1)", "Spacing(-0.1)", ["resolution", "-0.1", "0.0001 to 100"]),
     ("Spacing(0.1)", "Spacing(0)", ["resolution", "0", "0.0001 to 100"]),
     ("Spacing(0.1)", "Spacing(1e-5)", ["resolution", "0.00001", "0.0001 to 100"]),
@@ -254,6 +254,8 @@ const INVALID: [(&str, &str, [&str; 3]); 53] = [
     ("xsph: 0.25", "relaxation: (calm: 2)", ["settings.relaxation.calm", "2", "0.000001 to 1"]),
     ("xsph: 0.25", "relaxation: (max_substeps: 0)", ["settings.relaxation.max_substeps", "0", "1 to 1000000"]),
     ("xsph: 0.25", "xsph: 1.5", ["settings.xsph", "1.5", "0 to 1"]),
+    ("xsph: 0.25", "integrator: ForwardEuler", ["settings.integrator", "forward Euler", "leapfrog, Clavet"]),
+    ("xsph: 0.25", "integrator: PositionCorrectedBeeman", ["settings.integrator", "position-corrected", "grows"]),
     ("widest_support: 1.25", "widest_support: 0.5", ["settings.widest_support", "0.5", "1 to 3"]),
     ("widest_support: 1.25", "widest_support: NaN", ["settings.widest_support", "NaN", "1 to 3"]),
     ("courant_factor: 0.41", "courant_factor: 0", ["settings.courant_factor", "0", "0.01 to 1"]),

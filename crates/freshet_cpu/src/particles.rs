@@ -1,5 +1,6 @@
 //! The state, as a structure of arrays.
 
+use freshet_core::integrator::Integrator;
 use freshet_core::periodic::Periodic;
 use glam::Vec3;
 
@@ -20,6 +21,8 @@ pub struct Particles {
     pub life: Vec<f32>,
     /// `p / rho^2` of the last substep, m5/(kg s2), if the next one [starts from it](Particles::keep_pressures); empty otherwise.
     pub pressure: Vec<f32>,
+    /// What the integrator [keeps](Integrator::words) of particles, an array for each number; empty for others.
+    pub history: [Vec<f32>; Integrator::MOST_WORDS],
 }
 
 impl Particles {
@@ -44,12 +47,47 @@ impl Particles {
         !self.pressure.is_empty()
     }
 
+    /// Makes what an integrator keeps part of the state, as that of particles that are new.
+    pub fn begin_histories(&mut self, integrator: Integrator) {
+        let words = integrator.words();
+        for (word, values) in self.history.iter_mut().enumerate() {
+            *values = vec![0.0; if word < words { self.len + PADDING } else { 0 }];
+        }
+    }
+
+    /// Makes room for what `other` keeps.
+    pub fn keep_histories_of(&mut self, other: &Self) {
+        for (values, others) in self.history.iter_mut().zip(&other.history) {
+            if values.is_empty() != others.is_empty() {
+                *values = vec![0.0; if others.is_empty() { 0 } else { self.len + PADDING }];
+            }
+        }
+    }
+
+    /// What is kept of one particle.
+    pub fn history_of(&self, index: usize) -> impl Iterator<Item = f32> + '_ {
+        self.history.iter().filter_map(move |values| values.get(index).copied())
+    }
+
+    /// Takes what is kept of all particles, one after the other; without it they are new.
+    pub fn take_histories(&mut self, histories: &[f32]) {
+        let words = self.history.iter().filter(|values| !values.is_empty()).count();
+        for (index, particle) in histories.chunks_exact(words.max(1)).enumerate() {
+            for (values, &value) in self.history.iter_mut().zip(particle) {
+                values[index] = value;
+            }
+        }
+    }
+
     /// Becomes what `other` is, in the memory that is there.
     pub fn copy_from(&mut self, other: &Self) {
         self.len = other.len;
         self.id.clone_from(&other.id);
         self.life.clone_from(&other.life);
         self.pressure.clone_from(&other.pressure);
+        for (values, others) in self.history.iter_mut().zip(&other.history) {
+            values.clone_from(others);
+        }
         for (values, others) in self.position.iter_mut().zip(&other.position) {
             values.clone_from(others);
         }
@@ -74,6 +112,9 @@ impl Particles {
         // Where there was padding there may be what is left of a particle that fell out.
         if let Some(pressure) = self.pressure.get_mut(index) {
             *pressure = 0.0;
+        }
+        for value in self.history.iter_mut().filter_map(|values| values.get_mut(index)) {
+            *value = 0.0;
         }
         for axis in 0..3 {
             self.position[axis][index] = position[axis];
@@ -120,12 +161,13 @@ impl Particles {
     }
 
     fn reals(&self) -> impl Iterator<Item = &Vec<f32>> {
-        self.position.iter().chain(&self.velocity).chain([&self.life, &self.pressure])
+        self.position.iter().chain(&self.velocity).chain([&self.life, &self.pressure]).chain(&self.history)
     }
 
     fn reals_mut(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
         let pressure = Some(&mut self.pressure).filter(|pressure| !pressure.is_empty());
-        self.position.iter_mut().chain(&mut self.velocity).chain([&mut self.life]).chain(pressure)
+        let kept = pressure.into_iter().chain(self.history.iter_mut().filter(|values| !values.is_empty()));
+        self.position.iter_mut().chain(&mut self.velocity).chain([&mut self.life]).chain(kept)
     }
 }
 
@@ -144,5 +186,19 @@ mod tests {
         particles.resize(5);
         particles.push(20, Vec3::ZERO, Vec3::ZERO, f32::INFINITY);
         assert_eq!(particles.pressure[4..6], [7.0, 0.0]);
+    }
+
+    #[test]
+    fn a_new_particle_has_no_past() {
+        let mut particles = Particles::default();
+        particles.begin_histories(Integrator::Leapfrog);
+        for id in 0..20 {
+            particles.push(id, Vec3::ZERO, Vec3::ZERO, f32::INFINITY);
+        }
+        particles.history[0].fill(7.0);
+        particles.resize(5);
+        particles.push(20, Vec3::ZERO, Vec3::ZERO, f32::INFINITY);
+        assert_eq!(particles.history[0][4..6], [7.0, 0.0]);
+        assert!(particles.history[1..].iter().all(Vec::is_empty), "leapfrog keeps one number");
     }
 }

@@ -22,9 +22,11 @@ pub fn lower(plan: &Plan) -> Result<Vec<ScheduledPass>, SolverError> {
 fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
     let viscous = plan.parameters.artificial_viscosity > 0.0 || plan.parameters.dynamic_viscosity > 0.0;
     let width = if plan.has(StageKind::Support) { 4 } else { 0 };
+    // What the integrator keeps, read and written.
+    let kept = 2 * 4 * plan.parameters.integrator.words() as u32;
     let bytes_per_particle = match stage {
         // Key and order written and read, 32 bytes read and written.
-        StageKind::Sort => 4 * 4 + 2 * 32,
+        StageKind::Sort => 4 * 4 + 2 * 32 + kept,
         // Position read, density and pressure term or diagonal written.
         StageKind::Density => 12 + 8 + width,
         // Position read, width written.
@@ -39,9 +41,9 @@ fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
         // Position and pressure term read near the bodies.
         StageKind::BodyLoad => 16,
         // Position, velocity and acceleration read, position and velocity written.
-        StageKind::Integrate => 36 + 24,
+        StageKind::Integrate => 36 + 24 + kept,
         // Velocity and acceleration read, velocity written; position, velocity and density read, what moves it written.
-        StageKind::Xsph => 36 + 28 + 12,
+        StageKind::Xsph => 36 + 28 + 12 + kept / 2,
         // Those beside walls with friction only.
         StageKind::Friction => 0,
         StageKind::BodySort | StageKind::StepControl | StageKind::BodyMotion => 0,

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use freshet_core::field::{Field, FieldData};
+use freshet_core::integrator::Integrator;
 use freshet_core::kernel::Kernel;
 use freshet_core::misplaced::Misplaced;
 use freshet_core::plan::{Parameters, Plan, StageKind};
@@ -114,6 +115,8 @@ pub struct CpuSolver {
     solve: PressureSolve,
     /// Length of the last substep, s; zero if there was none.
     last_substep: f32,
+    /// Whose past the particles have.
+    integrator: Integrator,
     walls: SortedSamples,
     body_samples: BodySamples,
     bodies: Vec<MovingBody>,
@@ -227,6 +230,7 @@ impl CpuSolver {
             width: Vec::new(),
             solve: PressureSolve::default(),
             last_substep: 0.0,
+            integrator: Integrator::default(),
             walls: SortedSamples::default(),
             body_samples: BodySamples::default(),
             workers,
@@ -301,6 +305,10 @@ impl CpuSolver {
             self.density.clear();
             self.particles.keep_pressures(solves);
             self.last_substep = 0.0;
+        }
+        if self.integrator != self.plan.parameters.integrator {
+            self.integrator = self.plan.parameters.integrator;
+            self.particles.begin_histories(self.integrator);
         }
         self.exchanges.resize(self.plan.bodies.len(), [Exchange::default(); 4]);
         self.workspaces = self.workers.spaces();
@@ -642,6 +650,8 @@ impl FluidSolver for CpuSolver {
                 false => Vec::new(),
             },
             last_substep: self.last_substep,
+            integrator: self.integrator,
+            histories: order.iter().flat_map(|&i| self.particles.history_of(i)).collect(),
             exchanges: self.exchanges.clone(),
             poses: self.poses.clone(),
         })
@@ -661,6 +671,8 @@ impl FluidSolver for CpuSolver {
             particles.pressure[..snapshot.pressures.len()].copy_from_slice(&snapshot.pressures);
         }
         self.last_substep = snapshot.last_substep;
+        particles.begin_histories(self.integrator);
+        particles.take_histories(snapshot.histories_for(self.integrator));
         self.particles = particles;
         self.density.clear();
         self.next_tick = snapshot.tick;

@@ -231,6 +231,14 @@ fn a_layer_stays_on_a_slope_below_the_angle_of_friction_and_slides_down_a_steepe
         let [_, slippery] = run(pressure_solver, degrees, Friction::default());
         assert!(slippery > 2.0, "without friction {slippery} m/s");
     }
+    for integrator in
+        [Integrator::Leapfrog, Integrator::Verlet, Integrator::VelocityVerlet, Integrator::Clavet, Integrator::Beeman]
+    {
+        let mut scene = layer_on_a_slope(15.0f32.to_radians(), Friction::coulomb(0.5));
+        scene.settings.integrator = integrator;
+        let [_, last] = speeds(&scene);
+        assert!(last.abs() < 1e-2, "{}: {last} m/s", integrator.name());
+    }
     // What sticks at first goes on sliding once it slides: 35 degrees are too steep for 0.6, and then it is 0.5 that counts.
     for pressure_solver in [weakly, solved] {
         for (degrees, at_rest) in [(35.0f32, 0.5), (35.0, 0.6), (45.0, 0.5)] {

@@ -13,7 +13,7 @@ use crate::layout::{
 use crate::memory::{Held, Memory, TEXEL_BYTES, write_texels};
 use crate::options::GpuOptions;
 use crate::parameters::parameters;
-use crate::passes::{Arguments, answering_bodies, incompressible, sample_arms, solve_words};
+use crate::passes::{Arguments, answering_bodies, history_words, incompressible, sample_arms, solve_words};
 
 /// Ticks that can be prepared without their report being collected.
 pub(crate) const TICK_SLOTS: usize = 8;
@@ -73,13 +73,18 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
             Binding::Drifts => plan.has(StageKind::Xsph),
             Binding::Widths => plan.has(StageKind::Support),
             Binding::Contacts => plan.has(StageKind::BodyDrag),
+            Binding::Histories => history_words(plan) > 0,
             _ => true,
         };
         asked_for && binding.memory() == *binding
     };
     for binding in Binding::ALL.into_iter().filter(needed) {
         if let Some(each) = binding.particle_bytes() {
-            let each = if binding == Binding::Solves { 4 * u64::from(solve_words(plan)) } else { each };
+            let each = match binding {
+                Binding::Solves => 4 * u64::from(solve_words(plan)),
+                Binding::Histories => 2 * 4 * history_words(plan),
+                _ => each,
+            };
             need(binding, each * u64::from(capacity), state);
         }
     }
@@ -160,10 +165,10 @@ impl Buffers {
         needs.retain(|need| need.binding.particle_bytes().is_some());
         for fresh in self.allocate(device, needs)? {
             let Some(old) = self.allocated.iter_mut().find(|old| old.binding == fresh.binding) else { continue };
-            // Of the solves the first section is state.
+            // Of the solves the first section is state, of the histories the first half.
             if matches!(
                 fresh.binding,
-                Binding::Particles | Binding::Densities | Binding::Accelerations | Binding::Solves
+                Binding::Particles | Binding::Densities | Binding::Accelerations | Binding::Solves | Binding::Histories
             ) && let (Some(from), Some(to)) = (old.store.buffer(), fresh.store.buffer())
             {
                 encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));

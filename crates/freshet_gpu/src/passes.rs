@@ -1,6 +1,7 @@
 //! From the plan's stages to the dispatches of a substep: which entry point, which buffers, how many groups.
 
 use freshet_core::plan::{Plan, StageKind};
+use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::ScheduledPass;
 use freshet_shaders::{ShaderFile, passes};
@@ -72,14 +73,14 @@ pub(crate) struct Pass {
     pub dispatch: Dispatch,
     /// Whether it is a part of an iteration, which is encoded several times.
     pub iterates: bool,
-    /// Words of each particle it reads or writes in [`Binding::Solves`].
-    pub solve_words: u64,
+    /// Words of each particle it reads or writes in [`Binding::Solves`] or [`Binding::Histories`]: no plan has both.
+    pub words: u64,
 }
 
 impl Pass {
     fn bytes_per_particle(&self) -> u64 {
         let bytes = |&(binding, _): &(Binding, Access)| match binding {
-            Binding::Solves => 4 * self.solve_words,
+            Binding::Solves | Binding::Histories => 4 * self.words,
             _ => binding.particle_bytes().unwrap_or(0),
         };
         self.uses.iter().map(bytes).sum()
@@ -127,9 +128,16 @@ pub(crate) fn solve_words(plan: &Plan) -> u32 {
     if plan.bodies.is_empty() { 8 } else { 10 }
 }
 
-/// Whether pairs need each other's velocities.
+/// Numbers that the integrator keeps of each particle in [`Binding::Histories`], once in the order of the state and once in that of the sort.
+pub(crate) fn history_words(plan: &Plan) -> u64 {
+    plan.parameters.integrator.words() as u64
+}
+
+/// Whether pairs need each other's velocities, or the densities that come with them.
 pub(crate) fn needs_velocities(plan: &Plan) -> bool {
-    plan.parameters.artificial_viscosity > 0.0 || plan.parameters.dynamic_viscosity > 0.0
+    let parameters = &plan.parameters;
+    let mueller = parameters.pressure_force == PressureForce::Mueller;
+    parameters.artificial_viscosity > 0.0 || parameters.dynamic_viscosity > 0.0 || mueller
 }
 
 /// Whether fluid sticks to walls some of which move.
@@ -164,7 +172,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
         let mut uses = uses.to_vec();
         uses.push((B::Parameters, Read));
         let dispatch = Dispatch::Indirect(dispatch);
-        Pass { name, stage: Some(stage), file, uses, dispatch, iterates: false, solve_words: 0 }
+        Pass { name, stage: Some(stage), file, uses, dispatch, iterates: false, words: 0 }
     };
     let solves = incompressible(plan);
     let with = |condition: bool, mut uses: Vec<(Binding, Access)>, more: &[(Binding, Access)]| {
@@ -175,7 +183,8 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
     };
     let state = (B::Particles, Read);
     let neighbours = [(B::SortedPositions, Read), (B::CellStarts, Read), (B::Control, Write)];
-    let with_words = |solve_words, pass| Pass { solve_words, ..pass };
+    let with_words = |words, pass| Pass { words, ..pass };
+    let kept = history_words(plan);
     let answers = solves && bodies;
     let control = |name| {
         let uses = with(answers, vec![(B::Control, Write), (B::Arguments, Write)], &[(B::Answers, Write)]);
@@ -230,23 +239,27 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 &[state, (B::CellCounts, Write), (B::CellStarts, Read), (B::Slots, Write), (B::Control, Read)],
             ),
             with_words(
-                2,
+                if solves { 2 } else { 2 * kept },
                 pass(
                     "sort_reorder",
                     passes::SORT,
                     Arguments::Particles,
                     &with(
-                        solves,
-                        vec![
-                            state,
-                            (B::CellStarts, Read),
-                            (B::Slots, Read),
-                            (B::SortedPositions, Write),
-                            (B::Accelerations, Write),
-                            (B::SortedLives, Write),
-                            (B::Control, Write),
-                        ],
-                        &[(B::Solves, Write)],
+                        kept > 0,
+                        with(
+                            solves,
+                            vec![
+                                state,
+                                (B::CellStarts, Read),
+                                (B::Slots, Read),
+                                (B::SortedPositions, Write),
+                                (B::Accelerations, Write),
+                                (B::SortedLives, Write),
+                                (B::Control, Write),
+                            ],
+                            &[(B::Solves, Write)],
+                        ),
+                        &[(B::Histories, Write)],
                     ),
                 ),
             ),
@@ -399,19 +412,26 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 ),
             ),
         )],
-        StageKind::Xsph => vec![pass(
-            "xsph",
-            passes::XSPH,
-            Arguments::Motion,
-            &[
-                (B::SortedPositions, Read),
-                (B::SortedVelocities, Read),
-                (B::CellStarts, Read),
-                (B::Hits, Read),
-                (B::Accelerations, Read),
-                (B::Control, Read),
-                (B::Drifts, Write),
-            ],
+        StageKind::Xsph => vec![with_words(
+            kept,
+            pass(
+                "xsph",
+                passes::XSPH,
+                Arguments::Motion,
+                &with(
+                    kept > 0,
+                    vec![
+                        (B::SortedPositions, Read),
+                        (B::SortedVelocities, Read),
+                        (B::CellStarts, Read),
+                        (B::Hits, Read),
+                        (B::Accelerations, Read),
+                        (B::Control, Read),
+                        (B::Drifts, Write),
+                    ],
+                    &[(B::Histories, Read)],
+                ),
+            ),
         )],
         StageKind::BodyMotion => vec![pass(
             "body_motion",
@@ -430,7 +450,8 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             ];
             let uses = with(plan.has(StageKind::Xsph), moved.to_vec(), &[(B::Drifts, Read)]);
             let uses = with(solves, uses, &[(B::Motions, Read)]);
-            vec![pass("integrate", passes::INTEGRATE, Arguments::Motion, &uses)]
+            let uses = with(kept > 0, uses, &[(B::Histories, Write)]);
+            vec![with_words(2 * kept, pass("integrate", passes::INTEGRATE, Arguments::Motion, &uses))]
         }
     }
 }
@@ -488,6 +509,9 @@ pub(crate) fn command_passes(plan: &Plan) -> [Pass; 4] {
     if incompressible(plan) {
         spawn.push((B::Solves, Write));
     }
+    if history_words(plan) > 0 {
+        spawn.push((B::Histories, Write));
+    }
     [
         between("spawn", passes::COMMANDS, Dispatch::Direct, &spawn),
         between(
@@ -504,5 +528,5 @@ pub(crate) fn command_passes(plan: &Plan) -> [Pass; 4] {
 fn between(name: &'static str, file: ShaderFile, dispatch: Dispatch, uses: &[(Binding, Access)]) -> Pass {
     let mut uses = uses.to_vec();
     uses.push((Binding::Parameters, Access::Read));
-    Pass { name, stage: None, file, uses, dispatch, iterates: false, solve_words: 0 }
+    Pass { name, stage: None, file, uses, dispatch, iterates: false, words: 0 }
 }

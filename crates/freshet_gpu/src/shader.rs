@@ -4,8 +4,10 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 use freshet_core::equation_of_state::EquationOfState;
+use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
 use freshet_core::plan::{Plan, StageKind};
+use freshet_core::pressure_force::PressureForce;
 use freshet_core::solver::SolverError;
 use freshet_core::variable_support::EVALUATIONS;
 use freshet_shaders::library;
@@ -16,7 +18,9 @@ use crate::cells::WallDrag;
 use crate::fine_grid::CELLS_PER_RADIUS;
 use crate::layout::bindings_module;
 use crate::options::GpuOptions;
-use crate::passes::{Arguments, Pass, incompressible, moving_walls, needs_velocities, sample_arms, solve_words};
+use crate::passes::{
+    Arguments, Pass, history_words, incompressible, moving_walls, needs_velocities, sample_arms, solve_words,
+};
 
 /// Cells that a workgroup of the prefix sum handles.
 pub(crate) const SCAN_BLOCK: u32 = 1024;
@@ -48,6 +52,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("ARGUMENTS_ANSWERS", Arguments::Answers as u32);
     number("ARGUMENTS_DRAW", 3 * Arguments::COUNT);
     number("SOLVE_WORDS", solve_words(plan));
+    number("HISTORY_WORDS", history_words(plan) as u32);
     number("WIDTH_EVALUATIONS", EVALUATIONS);
 
     let mut set = |name: &str| definitions.insert(name.to_owned(), ShaderDefValue::Bool(true));
@@ -60,6 +65,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("SAMPLES", walls || bodies),
         ("PAIR_VELOCITIES", needs_velocities(plan)),
         ("ARTIFICIAL_VISCOSITY", parameters.artificial_viscosity > 0.0),
+        ("MUELLER_FORCE", parameters.pressure_force == PressureForce::Mueller),
         ("NEAR_PRESSURE", parameters.near_pressure > 0.0),
         ("XSPH_DRIFT", parameters.xsph > 0.0),
         ("WIDTHS", parameters.widest_support > 1.0),
@@ -72,6 +78,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("QUASI_FLUID", plan.has(StageKind::BodyDensity)),
         ("STICKING_BODIES", plan.has(StageKind::BodyDrag)),
         ("PERIODIC", plan.grid.periodic.any()),
+        ("HISTORIES", history_words(plan) > 0),
         ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),
     ] {
         if condition {
@@ -79,6 +86,10 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         }
     }
     set(kernel_definition(parameters.kernel)?);
+    if let Some(name) = integrator_definition(parameters.integrator)? {
+        set("INTEGRATOR");
+        set(name);
+    }
     if parameters.redo_substeps {
         return Err(SolverError::Unsupported {
             backend: "gpu",
@@ -99,6 +110,26 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         }
     };
     Ok(definitions)
+}
+
+/// What selects an integrator; none for semi-implicit Euler.
+fn integrator_definition(integrator: Integrator) -> Result<Option<&'static str>, SolverError> {
+    Ok(match integrator {
+        Integrator::SemiImplicitEuler => None,
+        Integrator::Verlet => Some("INTEGRATOR_VERLET"),
+        Integrator::VelocityVerlet => Some("INTEGRATOR_VELOCITY_VERLET"),
+        Integrator::ModifiedVelocityVerlet | Integrator::Leapfrog => Some("INTEGRATOR_LEAPFROG"),
+        Integrator::Clavet => Some("INTEGRATOR_CLAVET"),
+        Integrator::Beeman => Some("INTEGRATOR_BEEMAN"),
+        Integrator::VelocityCorrectedBeeman => Some("INTEGRATOR_VELOCITY_CORRECTED_BEEMAN"),
+        Integrator::ForwardEuler | Integrator::PositionCorrectedBeeman => {
+            return Err(SolverError::Unsupported {
+                backend: "gpu",
+                what: integrator.name().to_owned(),
+                reason: "every oscillation grows under it; use another integrator".to_owned(),
+            });
+        }
+    })
 }
 
 fn kernel_definition(kernel: KernelKind) -> Result<&'static str, SolverError> {

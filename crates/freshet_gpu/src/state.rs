@@ -11,6 +11,7 @@ use crate::buffers::Buffers;
 use crate::layout::{
     AccelerationRecord, Binding, BodyInputRecord, BodyRecord, ExchangeRecord, ParticleRecord, StepControl,
 };
+use crate::passes::history_words;
 use crate::solver::{GpuSolver, Start, halves};
 
 impl GpuSolver {
@@ -83,10 +84,14 @@ impl GpuSolver {
         let mut particles: Vec<ParticleRecord> = self.download(Binding::Particles, count)?;
         // None where pressures are not solved for.
         let mut pressures: Vec<f32> = self.download(Binding::Solves, count)?;
-        if !pressures.is_empty() {
+        let words = history_words(&self.plan) as usize;
+        let mut histories: Vec<f32> = self.download(Binding::Histories, words * count)?;
+        if !(pressures.is_empty() && histories.is_empty()) {
             let mut order: Vec<usize> = (0..count).collect();
             order.sort_unstable_by_key(|&index| particles[index].id);
-            pressures = order.into_iter().map(|index| pressures[index]).collect();
+            pressures = order.iter().filter_map(|&index| pressures.get(index).copied()).collect();
+            let of = |&index: &usize| histories[words * index..words * (index + 1)].to_vec();
+            histories = order.iter().flat_map(of).collect();
         }
         particles.sort_unstable_by_key(|particle| particle.id);
         let bodies = self.download::<BodyRecord>(Binding::Bodies, self.plan.bodies.len())?;
@@ -103,6 +108,8 @@ impl GpuSolver {
             remaining_lives: particles.iter().map(|particle| particle.remaining_life).collect(),
             pressures,
             last_substep: control.last_substep,
+            integrator: self.plan.parameters.integrator,
+            histories,
             exchanges: bodies.iter().map(|body| body.exchanges.map(Exchange::from)).collect(),
             poses: bodies.iter().map(pose_of).collect(),
         })
@@ -146,6 +153,9 @@ impl GpuSolver {
         let mut pressures = snapshot.pressures.clone();
         pressures.resize(particles.len(), 0.0);
         self.buffers.write(&self.queue, Binding::Solves, &pressures);
+        let mut histories = snapshot.histories_for(self.plan.parameters.integrator).to_vec();
+        histories.resize(history_words(&self.plan) as usize * particles.len(), 0.0);
+        self.buffers.write(&self.queue, Binding::Histories, &histories);
         self.known.carry = snapshot.carry;
         self.upload_bodies(snapshot)
     }

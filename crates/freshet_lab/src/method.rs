@@ -1,6 +1,7 @@
 //! How pressure is found, as commands offer it.
 
 use clap::ValueEnum;
+use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::scene::FluidScene;
 use freshet_core::viscosity::ViscosityModel;
@@ -11,20 +12,23 @@ pub enum Method {
     /// From densities, by Tait's equation of state.
     #[default]
     WeaklyCompressible,
+    /// The same with Mueller's form of the pressure force.
+    Mueller,
     /// DFSPH with its default tolerances.
     DivergenceFree,
-    /// The same without any viscosity but water's own, `mu` = 1e-3 Pa s.
+    /// DFSPH without any viscosity but water's own, `mu` = 1e-3 Pa s.
     WaterAlone,
 }
 
 impl Method {
-    /// Those that keep a scene's viscosity.
+    /// Each way to find pressures once, with a scene's viscosity.
     pub const ALL: [Self; 2] = [Self::WeaklyCompressible, Self::DivergenceFree];
 
     /// Name, as in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::WeaklyCompressible => "WCSPH",
+            Self::Mueller => "WCSPH, Mueller's force",
             Self::DivergenceFree => "DFSPH",
             Self::WaterAlone => "DFSPH, water's viscosity alone",
         }
@@ -34,6 +38,7 @@ impl Method {
     pub fn suffix(self) -> &'static str {
         match self {
             Self::WeaklyCompressible => "",
+            Self::Mueller => "_mueller",
             Self::DivergenceFree => "_dfsph",
             Self::WaterAlone => "_water",
         }
@@ -49,9 +54,12 @@ impl Method {
     /// The scene, simulated so.
     pub fn on(self, mut scene: FluidScene) -> FluidScene {
         scene.settings.pressure_solver = match self {
-            Self::WeaklyCompressible => PressureSolver::WeaklyCompressible,
+            Self::WeaklyCompressible | Self::Mueller => PressureSolver::WeaklyCompressible,
             Self::DivergenceFree | Self::WaterAlone => PressureSolver::DivergenceFree(DivergenceFree::default()),
         };
+        if self == Self::Mueller {
+            scene.settings.pressure_force = PressureForce::Mueller;
+        }
         if self == Self::WaterAlone {
             scene.settings.artificial_viscosity = 0.0;
             scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);

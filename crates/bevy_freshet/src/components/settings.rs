@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 use freshet_core::equation_of_state::EquationOfState;
+use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
+use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::relaxation::Relaxation;
 use freshet_core::scene::{Settings, Support};
@@ -20,6 +22,8 @@ pub struct FluidSettings {
     pub pressure_solver: FluidPressureSolver,
     /// Pressure as a function of density; none takes Tait's with the sound speed.
     pub equation_of_state: Option<FluidEquationOfState>,
+    /// How pressures become forces; an incompressible fluid takes the default only.
+    pub pressure_force: FluidPressureForce,
     /// Whether negative pressures are set to zero, so that fluid does not pull at itself.
     pub clamp_negative_pressure: bool,
     /// Speed of sound, m/s, 1e-3 to 1e5; none takes ten times the expected speed.
@@ -40,6 +44,9 @@ pub struct FluidSettings {
     pub relaxation: Option<FluidRelaxation>,
     /// How the fluid's [`dynamic_viscosity`](super::material::Fluid::dynamic_viscosity) acts, beside the artificial one; none leaves it out.
     pub viscosity_model: Option<FluidViscosityModel>,
+    /// How accelerations become velocities and positions; an incompressible fluid takes the default only, and
+    /// [`FluidIntegrator::ForwardEuler`] and [`FluidIntegrator::PositionCorrectedBeeman`] are refused.
+    pub integrator: FluidIntegrator,
     /// Substep over `h / (c + v)`, of an incompressible fluid over `d / v`, 0.01 to 1; `h` is half the reach of the kernel.
     pub courant_factor: f32,
     /// Substep over `sqrt(h / a)`, 0.01 to 1; an incompressible fluid does not need it.
@@ -67,6 +74,7 @@ impl FluidSettings {
             support_ratio,
             pressure_solver: settings.pressure_solver.into(),
             equation_of_state: settings.equation_of_state.map(Into::into),
+            pressure_force: settings.pressure_force.into(),
             clamp_negative_pressure: settings.clamp_negative_pressure,
             sound_speed: settings.sound_speed,
             expected_speed: settings.expected_speed,
@@ -77,6 +85,7 @@ impl FluidSettings {
             widest_support: settings.widest_support,
             relaxation: settings.relaxation.map(Into::into),
             viscosity_model: settings.viscosity_model.map(Into::into),
+            integrator: settings.integrator.into(),
             courant_factor: settings.courant_factor,
             force_factor: settings.force_factor,
             viscous_factor: settings.viscous_factor,
@@ -92,6 +101,7 @@ impl FluidSettings {
             support: Support::Ratio(self.support_ratio),
             pressure_solver: self.pressure_solver.into(),
             equation_of_state: self.equation_of_state.map(Into::into),
+            pressure_force: self.pressure_force.into(),
             clamp_negative_pressure: self.clamp_negative_pressure,
             sound_speed: self.sound_speed,
             expected_speed: self.expected_speed,
@@ -102,6 +112,7 @@ impl FluidSettings {
             widest_support: self.widest_support,
             relaxation: self.relaxation.map(Into::into),
             viscosity_model: self.viscosity_model.map(Into::into),
+            integrator: self.integrator.into(),
             courant_factor: self.courant_factor,
             force_factor: self.force_factor,
             viscous_factor: self.viscous_factor,
@@ -162,6 +173,96 @@ impl From<ViscosityModel> for FluidViscosityModel {
     fn from(model: ViscosityModel) -> Self {
         match model {
             ViscosityModel::Morris1997 => Self::Morris1997,
+        }
+    }
+}
+
+/// How accelerations become velocities and positions; formulas, orders and limits stand at [`Integrator`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidIntegrator {
+    /// Forward Euler, refused: every oscillation grows.
+    ForwardEuler,
+    /// Semi-implicit Euler.
+    #[default]
+    SemiImplicitEuler,
+    /// Verlet.
+    Verlet,
+    /// Velocity Verlet.
+    VelocityVerlet,
+    /// Modified velocity Verlet.
+    ModifiedVelocityVerlet,
+    /// Leapfrog.
+    Leapfrog,
+    /// Prediction and relaxation after Clavet, which takes energy.
+    Clavet,
+    /// Beeman.
+    Beeman,
+    /// Beeman with corrected velocities.
+    VelocityCorrectedBeeman,
+    /// Beeman with corrected positions, refused: every oscillation grows.
+    PositionCorrectedBeeman,
+}
+
+impl From<FluidIntegrator> for Integrator {
+    fn from(integrator: FluidIntegrator) -> Self {
+        match integrator {
+            FluidIntegrator::ForwardEuler => Self::ForwardEuler,
+            FluidIntegrator::SemiImplicitEuler => Self::SemiImplicitEuler,
+            FluidIntegrator::Verlet => Self::Verlet,
+            FluidIntegrator::VelocityVerlet => Self::VelocityVerlet,
+            FluidIntegrator::ModifiedVelocityVerlet => Self::ModifiedVelocityVerlet,
+            FluidIntegrator::Leapfrog => Self::Leapfrog,
+            FluidIntegrator::Clavet => Self::Clavet,
+            FluidIntegrator::Beeman => Self::Beeman,
+            FluidIntegrator::VelocityCorrectedBeeman => Self::VelocityCorrectedBeeman,
+            FluidIntegrator::PositionCorrectedBeeman => Self::PositionCorrectedBeeman,
+        }
+    }
+}
+
+impl From<Integrator> for FluidIntegrator {
+    fn from(integrator: Integrator) -> Self {
+        match integrator {
+            Integrator::ForwardEuler => Self::ForwardEuler,
+            Integrator::SemiImplicitEuler => Self::SemiImplicitEuler,
+            Integrator::Verlet => Self::Verlet,
+            Integrator::VelocityVerlet => Self::VelocityVerlet,
+            Integrator::ModifiedVelocityVerlet => Self::ModifiedVelocityVerlet,
+            Integrator::Leapfrog => Self::Leapfrog,
+            Integrator::Clavet => Self::Clavet,
+            Integrator::Beeman => Self::Beeman,
+            Integrator::VelocityCorrectedBeeman => Self::VelocityCorrectedBeeman,
+            Integrator::PositionCorrectedBeeman => Self::PositionCorrectedBeeman,
+        }
+    }
+}
+
+/// How pressures become forces; formulas stand at [`PressureForce`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidPressureForce {
+    /// Monaghan's.
+    #[default]
+    Monaghan,
+    /// Mueller's; not with supports of different width.
+    Mueller,
+}
+
+impl From<FluidPressureForce> for PressureForce {
+    fn from(force: FluidPressureForce) -> Self {
+        match force {
+            FluidPressureForce::Monaghan => Self::Monaghan,
+            FluidPressureForce::Mueller => Self::Mueller,
+        }
+    }
+}
+
+impl From<PressureForce> for FluidPressureForce {
+    fn from(force: PressureForce) -> Self {
+        match force {
+            PressureForce::Monaghan => Self::Monaghan,
+            PressureForce::Mueller => Self::Mueller,
         }
     }
 }

@@ -38,6 +38,17 @@ pub(super) fn check_quasi_fluid(scene: &FluidScene) -> Result<(), InvalidInput> 
     Err(InvalidInput::new(format_args!("bodies[{index}].sampling"), "QuasiFluid", allowed))
 }
 
+/// Refuses an integrator under which what friction holds does not come to rest: it may take all of a velocity in a substep.
+pub(super) fn check_friction(scene: &FluidScene) -> Result<(), InvalidInput> {
+    let integrator = scene.settings.integrator;
+    let held = scene.boundaries.iter().position(|boundary| boundary.friction.is_some());
+    if let Some(index) = held.filter(|_| integrator.drag_limit() < 1.0) {
+        let allowed = format!("another one, as boundaries[{index}] has friction");
+        return Err(InvalidInput::new("settings.integrator", integrator.name(), allowed));
+    }
+    Ok(())
+}
+
 /// Refuses particles that settle among bodies whose places are not known yet.
 pub(super) fn check_relaxation(scene: &FluidScene) -> Result<(), InvalidInput> {
     if scene.settings.relaxation.is_some() && !scene.bodies.is_empty() {

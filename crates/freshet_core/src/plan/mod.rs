@@ -22,8 +22,8 @@ pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_v
 pub use self::stages::{Stage, StageKind};
 
 use self::checks::{
-    check_bounds, check_driven, check_particles_within, check_periods, check_precision, check_quasi_fluid,
-    check_relaxation, max_particles,
+    check_bounds, check_driven, check_friction, check_particles_within, check_periods, check_precision,
+    check_quasi_fluid, check_relaxation, max_particles,
 };
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
@@ -109,6 +109,7 @@ impl Plan {
         check_driven(scene)?;
         check_quasi_fluid(scene)?;
         check_relaxation(scene)?;
+        check_friction(scene)?;
 
         for (index, emitter) in scene.emitters.iter().enumerate() {
             emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;
@@ -206,6 +207,7 @@ impl Plan {
             least_diagonal: DivergenceFree::LEAST_DIAGONAL * diagonal as f32,
             pressure_frequency,
             pressure_law: PressureLaw { equation, clamp_negative: settings.clamp_negative_pressure },
+            pressure_force: settings.pressure_force,
             sound_speed,
             expected_speed,
             artificial_viscosity: settings.artificial_viscosity,
@@ -214,6 +216,7 @@ impl Plan {
             widest_support: settings.widest_support,
             dynamic_viscosity: scene.physical_viscosity().map_or(0.0, |_| scene.material.dynamic_viscosity),
             viscous_calibration: kernel.lattice_viscous_sum(spacing) as f32,
+            integrator: settings.integrator,
             courant_factor: settings.courant_factor,
             force_factor: settings.force_factor,
             viscous_factor: settings.viscous_factor,

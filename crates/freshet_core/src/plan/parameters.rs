@@ -4,7 +4,9 @@ use glam::{Mat3, Vec3};
 
 use crate::equation_of_state::PressureLaw;
 use crate::error::InvalidInput;
+use crate::integrator::Integrator;
 use crate::kernel::{Kernel, KernelKind};
+use crate::pressure_force::PressureForce;
 use crate::pressure_solver::{DivergenceFree, PressureSolver};
 
 /// Every number the solvers use, derived once.
@@ -41,6 +43,8 @@ pub struct Parameters {
     pub pressure_frequency: f32,
     /// Pressure as a function of density, if it is one.
     pub pressure_law: PressureLaw,
+    /// How pressures become forces.
+    pub pressure_force: PressureForce,
     /// Speed of sound at rest density, m/s.
     pub sound_speed: f32,
     /// Speed the flow is expected to reach, m/s.
@@ -58,6 +62,8 @@ pub struct Parameters {
     pub dynamic_viscosity: f32,
     /// Divisor of Morris' pair forces, so that a parabolic velocity on the rest lattice has its exact force.
     pub viscous_calibration: f32,
+    /// How accelerations become velocities and positions.
+    pub integrator: Integrator,
     /// Step factors: Courant, force, viscous.
     pub courant_factor: f32,
     /// See [`Settings::force_factor`](crate::scene::Settings::force_factor).
@@ -127,11 +133,12 @@ impl Parameters {
         DivergenceFree::RATE_BY_VELOCITY * self.expected_speed / self.spacing * dt
     }
 
-    /// The substep allowed by viscosity alone, s.
+    /// The substep allowed by viscosity alone, s: shorter under integrators that bear [less of it](Integrator::drag_limit).
     pub fn viscous_limit(&self) -> f32 {
         let artificial = self.artificial_viscosity * self.sound_speed * self.smoothing_length / 10.0;
         let nu = artificial + self.dynamic_viscosity / self.rest_density;
-        self.viscous_factor * self.smoothing_length * self.smoothing_length / nu.max(1e-12)
+        let share = self.integrator.drag_limit() / Integrator::default().drag_limit();
+        share * self.viscous_factor * self.smoothing_length * self.smoothing_length / nu.max(1e-12)
     }
 
     /// The substep allowed by how fluid drags a body of so many samples that reach so far, m: what a light body gets from the fluid that

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::sampling::PlannedBody;
+use crate::pressure_force::PressureForce;
 use crate::pressure_solver::PressureSolver;
 use crate::scene::FluidScene;
 use crate::viscosity::ViscosityModel;
@@ -109,7 +110,11 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     if bodies.iter().any(|body| !body.own_densities.is_empty()) {
         add(StageKind::BodyDensity, "bodies are sampled by quasi-fluid, which has densities and pressures of its own");
     }
-    let pressure = if incompressible.is_some() { "pressure of the last substep" } else { "pressure" };
+    let pressure = match (incompressible, scene.settings.pressure_force) {
+        (Some(_), _) => "pressure of the last substep",
+        (None, PressureForce::Monaghan) => "pressure",
+        (None, PressureForce::Mueller) => "pressure by Mueller's form",
+    };
     let rest = match (scene.settings.artificial_viscosity > 0.0, scene.physical_viscosity()) {
         (true, None) => ", artificial viscosity and gravity",
         (false, None) => " and gravity; settings.artificial_viscosity is 0",
@@ -160,14 +165,10 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     if !bodies.is_empty() {
         add(StageKind::BodyMotion, "bodies answer within the tick");
     }
-    add(
-        StageKind::Integrate,
-        if scene.periodic.any() {
-            "semi-implicit Euler: one force evaluation a substep, energy error bounded; the domain repeats itself"
-        } else {
-            "semi-implicit Euler: one force evaluation a substep, energy error bounded"
-        },
-    );
+    let integrator = scene.settings.integrator;
+    let repeats = if scene.periodic.any() { "; the domain repeats itself" } else { "" };
+    let what = integrator.in_solvers().unwrap_or_default();
+    add(StageKind::Integrate, &format!("{}: {what}{repeats}", integrator.name()));
     stages
 }
 

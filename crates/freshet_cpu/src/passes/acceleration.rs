@@ -4,11 +4,12 @@
 //! with beta = 0, for pairs that part as for pairs that approach (Monaghan 2005, section 8: a Newtonian viscosity). Walls and
 //! bodies act through the density they add (Akinci et al. 2012), quasi-fluid bodies by their own pressure `P_k` as well. `Pi_ak` is that of a particle at rest with the density of `a`,
 //! for samples of viscous faces; elsewhere fluid slips freely. With a physical viscosity, see [`morris1997`](super::morris1997),
-//! that acts at viscous faces in its stead.
+//! that acts at viscous faces in its stead. Other forms of the pressure force: `freshet_core::pressure_force`.
 
 use std::marker::PhantomData;
 
 use freshet_core::grid::Grid;
+use freshet_core::pressure_force::PressureForce;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -41,6 +42,8 @@ pub struct Inputs<'a> {
     pub density: &'a [f32],
     /// `p / rho^2`, padded.
     pub pressure_term: &'a [f32],
+    /// How pressures become forces.
+    pub force: PressureForce,
     /// Widths of supports, of plans that have them, padded.
     pub width: Option<&'a [f32]>,
     /// Factor of fluid neighbours, `-m A / (G H^5)`.
@@ -107,7 +110,9 @@ impl WithKernel for Task<'_> {
             // Code for everything; what of it a plan has is asked for every pair.
             return arch.dispatch(Typed::<K, true, true, true>(self, width, PhantomData));
         }
-        match (self.inputs.viscosity > 0.0, self.inputs.physical.is_some()) {
+        // Mueller's form needs the densities that viscosity needs.
+        let pairs = self.inputs.viscosity > 0.0 || self.inputs.force == PressureForce::Mueller;
+        match (pairs, self.inputs.physical.is_some()) {
             (_, true) => arch.dispatch(Typed::<K, false, true, false>(self, &[], PhantomData)),
             (true, false) => arch.dispatch(Typed::<K, true, false, false>(self, &[], PhantomData)),
             (false, false) => arch.dispatch(Typed::<K, false, false, false>(self, &[], PhantomData)),
@@ -165,6 +170,9 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: 
             } else {
                 calm.pack(simd, list, [x, y, z, inputs.pressure_term], at);
                 add_fluid::<S, K>(simd, pairs, own, calm, sums);
+            }
+            if (ARTIFICIAL || PHYSICAL) && inputs.force == PressureForce::Mueller {
+                add_mueller::<S, K>(simd, pairs, own, viscous, sums);
             }
             if inputs.near_pressure > 0.0 {
                 match ARTIFICIAL || PHYSICAL {
@@ -351,6 +359,26 @@ fn add_wide_fluid<S: Simd, K: SimdKernel>(
                 morris1997::add_pair(simd, pairs, [squared, slope], [own_density, density], [du, dv, dw], sum);
             }
             add(simd, sum, simd.mul_f32s(strength, slope), [dx, dy, dz]);
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// What makes Mueller's form of Monaghan's: `sum_b (rho_a - rho_b) (P_a rho_a - P_b rho_b) / (rho_a rho_b) f'(q)/q x_ab` over the fluid. A loop of its own:
+/// few plans have it.
+#[inline(always)]
+fn add_mueller<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: &Packed<8>, sums: &mut [[S::f32s; 3]]) {
+    let mut first = 0;
+    while first < all.len() {
+        let [x, y, z, term, _, _, _, density] = all.lanes::<S>(first);
+        let over_density = simd.mul_f32s(term, density);
+        for ((sum, position, own_term), &own_density) in own.with(sums).zip(own.density) {
+            let (difference, squared) = difference(simd, position, [x, y, z]);
+            let denser = simd.sub_f32s(simd.splat_f32s(own_density), density);
+            let harder = simd.sub_f32s(simd.splat_f32s(own_term * own_density), over_density);
+            let densities = simd.mul_f32s(simd.splat_f32s(own_density), density);
+            let strength = divide(simd, simd.mul_f32s(denser, harder), densities);
+            add(simd, sum, simd.mul_f32s(strength, pairs.slope::<K>(simd, squared)), difference);
         }
         first += S::F32_LANES;
     }

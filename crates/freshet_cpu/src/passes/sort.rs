@@ -168,6 +168,7 @@ impl Sorter {
         let [least, most] = CHUNKS_PER_THREAD.map(|chunks| chunks * workers.active());
         cut_into_chunks(&mut self.chunks, &self.starts, (live / CHUNK_PARTICLES).clamp(least, most));
         scratch.keep_pressures(particles.keeps_pressures());
+        scratch.keep_histories_of(particles);
         scratch.resize(live);
         self.reorder(workers, particles, scratch);
         std::mem::swap(particles, scratch);
@@ -280,6 +281,14 @@ impl Sorter {
                 }
             }
         });
+        for (target, source) in to.history.iter_mut().zip(&from.history).filter(|(_, source)| !source.is_empty()) {
+            let tasks = Tasks::new(&self.chunks, (), (&mut **target, &mut *self.order));
+            workers.share(tasks, |(_, (), (target, order))| {
+                for (value, slot) in target.iter_mut().zip(order) {
+                    *value = source[*slot.get_mut() as usize];
+                }
+            });
+        }
     }
 }
 

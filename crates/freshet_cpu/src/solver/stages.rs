@@ -1,5 +1,6 @@
 //! The stages of a substep, shared out in chunks among the threads.
 
+use freshet_core::integrator::Integrator;
 use freshet_core::near_pressure;
 use freshet_core::plan::{Parameters, StageKind};
 use freshet_core::pressure_solver::PressureSolver;
@@ -132,6 +133,7 @@ impl CpuSolver {
             samples: those_with_samples(&samples),
             density: &self.density,
             pressure_term: terms,
+            force: parameters.pressure_force,
             width: self.plan.has(StageKind::Support).then_some(&*self.width),
             fluid_factor: -parameters.particle_mass * scale,
             sample_factor: -parameters.rest_density * scale,
@@ -319,8 +321,11 @@ impl CpuSolver {
 
     /// Velocities after the substep, and what particles move with besides.
     pub(super) fn xsph_stage(&mut self, dt: f32) {
-        let chunks = &self.sorter.chunks;
-        integrate::accelerate(&self.workers, chunks, &mut self.particles, &self.acceleration, dt);
+        let (chunks, particles, acceleration) = (&self.sorter.chunks, &mut self.particles, &self.acceleration);
+        match self.plan.parameters.integrator {
+            Integrator::SemiImplicitEuler => integrate::accelerate(&self.workers, chunks, particles, acceleration, dt),
+            other => integrate::accelerate_by(other, &self.workers, chunks, particles, acceleration, dt),
+        }
         let parameters = &self.plan.parameters;
         let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
         let inputs = xsph::Inputs {
@@ -372,10 +377,18 @@ impl CpuSolver {
 
     /// Moves all particles over `dt` seconds, with velocities that are `lead` seconds ahead.
     pub(super) fn integrate_stage(&mut self, dt: f32, lead: f32) {
-        let (chunks, periodic) = (&self.sorter.chunks, &self.plan.grid.periodic);
-        let (particles, accelerations) = (&mut self.particles, &self.acceleration);
+        let (workers, chunks, periodic) = (&self.workers, &self.sorter.chunks, &self.plan.grid.periodic);
+        let (particles, acceleration) = (&mut self.particles, &self.acceleration);
         let drift = self.plan.has(StageKind::Xsph).then_some(&self.drift);
-        integrate::integrate(&self.workers, chunks, particles, accelerations, drift, periodic, self.mortal, [dt, lead]);
+        match self.plan.parameters.integrator {
+            Integrator::SemiImplicitEuler => {
+                integrate::integrate(workers, chunks, particles, acceleration, drift, periodic, [dt, lead]);
+            }
+            other => integrate::integrate_by(other, workers, chunks, particles, acceleration, drift, periodic, dt),
+        }
+        if self.mortal {
+            integrate::age(particles, dt);
+        }
     }
 }
 

@@ -82,11 +82,13 @@ pub enum Binding {
     Widths,
     /// [`ContactRecord`](records::ContactRecord), of plans in which fluid sticks to bodies.
     Contacts,
+    /// What the integrator keeps of particles, one after the other: in the order of the state, then in that of the last sort.
+    Histories,
 }
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 29] = [
+    pub const ALL: [Binding; 30] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -116,6 +118,7 @@ impl Binding {
         Binding::Answers,
         Binding::Widths,
         Binding::Contacts,
+        Binding::Histories,
     ];
 
     /// Number in group 0.
@@ -160,10 +163,11 @@ impl Binding {
             Binding::Answers => "answers",
             Binding::Widths => "widths",
             Binding::Contacts => "contacts",
+            Binding::Histories => "histories",
         }
     }
 
-    /// Bytes of one particle's part, without that of plans with bodies; none for buffers that do not hold particles.
+    /// Bytes of one particle's part, without that of plans with bodies, of histories the most; none for buffers that do not hold particles.
     pub fn particle_bytes(self) -> Option<u64> {
         match self {
             Binding::Particles | Binding::Hits | Binding::Solves => Some(32),
@@ -173,6 +177,7 @@ impl Binding {
             | Binding::Motions
             | Binding::Contacts
             | Binding::Drifts => Some(16),
+            Binding::Histories => Some(64),
             Binding::Densities => Some(8),
             Binding::SortedLives | Binding::Slots | Binding::Widths => Some(4),
             _ => None,
@@ -197,7 +202,7 @@ impl Binding {
                 "array<vec4<u32>>"
             }
             Binding::Solves => "array<u32>",
-            Binding::SortedLives | Binding::Widths => "array<f32>",
+            Binding::SortedLives | Binding::Widths | Binding::Histories => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
             Binding::WallFrictions => "array<vec2<f32>>",
@@ -327,6 +332,14 @@ fn sample_arm(k: u32) -> SampleArm {
             Binding::WallFrictions => "fn wall_friction(k: u32) -> vec2<f32> { return wall_frictions[k]; }\n",
             Binding::Drifts => "fn drift(i: u32) -> vec3<f32> { return drifts[i].xyz; }\n",
             Binding::Widths => "fn width(i: u32) -> f32 { return widths[i]; }\n",
+            Binding::Histories => {
+                "fn history_place(order: u32, i: u32, word: u32) -> u32 {
+    return order * (arrayLength(&histories) / 2u) + i * #{HISTORY_WORDS}u + word;
+}
+fn history(i: u32, word: u32) -> f32 { return histories[history_place(0u, i, word)]; }
+fn sorted_history(i: u32, word: u32) -> f32 { return histories[history_place(1u, i, word)]; }
+"
+            }
             Binding::Contacts => {
                 "fn contact_force(i: u32) -> vec3<f32> { return contacts[i].force; }
 fn contact_body(i: u32) -> u32 { return contacts[i].body; }
@@ -508,6 +521,11 @@ fn add_body_impulse(i: u32, slot: u32, linear: vec3<f32>, angular: vec3<f32>) {
             }
             Binding::Contacts => {
                 "fn set_contact(i: u32, body: u32, force: vec3<f32>) { contacts[i] = ContactRecord(force, body); }
+"
+            }
+            Binding::Histories => {
+                "fn set_history(i: u32, word: u32, value: f32) { histories[history_place(0u, i, word)] = value; }
+fn set_sorted_history(i: u32, word: u32, value: f32) { histories[history_place(1u, i, word)] = value; }
 "
             }
             Binding::Widths => "fn set_width(i: u32, value: f32) { widths[i] = value; }\n",

@@ -253,6 +253,23 @@ fn near_pressure_repels_as_in_the_reference() {
     assert!(has(&with(dam_break(0.05))) && !has(&dam_break(0.05)), "only a plan that has it has it in its shader");
 }
 
+#[test]
+fn the_other_form_of_the_pressure_force_is_that_of_the_reference() {
+    let with = |mut scene: FluidScene| {
+        scene.settings.pressure_force = PressureForce::Mueller;
+        scene
+    };
+    let plain = Settings { artificial_viscosity: 0.0, kernel: KernelKind::CubicSpline, ..Default::default() };
+    for scene in [with(dam_break(0.05)), with(channel()), with(FluidScene { settings: plain, ..dam_break(0.05) })] {
+        check(&scene);
+    }
+    let patch = Some(("* harder / (own.density", "* 1.1 * harder / (own.density"));
+    let found = errors(&mut solver_with(&with(dam_break(0.05)), GpuOptions { patch, ..Default::default() }))[2];
+    assert!(found > TOLERANCES[2], "a wrong constant makes an error of {found:e} only");
+    let has = |scene: &FluidScene| solver(scene).shader("acceleration").unwrap().contains("harder");
+    assert!(has(&with(dam_break(0.05))) && !has(&dam_break(0.05)), "only a plan that has it has it in its shader");
+}
+
 /// The largest error of what particles move with beside their velocity, over what rounding of their positions makes of it.
 fn drift_error(solver: &mut GpuSolver) -> f64 {
     let plan = solver.plan().clone();
@@ -305,9 +322,16 @@ fn xsph_moves_particles_as_in_the_reference() {
         scene
     };
     let wide = Settings { support: Support::Ratio(3.2), artificial_viscosity: 0.0, ..Default::default() };
-    let scenes = [with(dam_break(0.05)), with(channel()), with(FluidScene { settings: wide, ..dam_break(0.05) })];
+    // Leapfrog moves particles with the velocities that they have after the substep, too.
+    let leapfrog = Settings { integrator: Integrator::Leapfrog, ..Default::default() };
+    let scenes = [
+        with(dam_break(0.05)),
+        with(channel()),
+        with(FluidScene { settings: wide, ..dam_break(0.05) }),
+        with(FluidScene { settings: leapfrog, ..dam_break(0.05) }),
+    ];
     for (scene, neighbours) in
-        scenes.iter().zip([NeighbourMemory::Textures, NeighbourMemory::Buffers, NeighbourMemory::Textures])
+        scenes.iter().zip([NeighbourMemory::Textures, NeighbourMemory::Buffers].into_iter().cycle())
     {
         let found = drift_error(&mut solver_with(scene, GpuOptions { neighbours, ..Default::default() }));
         assert!(found < 2.0, "{:?}: {found} times what rounding makes", scene.settings);

@@ -10,6 +10,7 @@ mod drawing;
 mod forces;
 mod incompressible;
 mod incompressible_bodies;
+mod integrators;
 mod lowering;
 mod pipelined;
 mod quasi_fluid;

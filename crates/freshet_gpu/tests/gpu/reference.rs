@@ -89,7 +89,11 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                 let (other_density, other_pressure) = states[b];
                 let viscous = pi(x, v, 0.5 * (density + other_density));
                 let slope = of_pair(a, b).derivative_over_r(x.length());
-                add(mass * (term + other_pressure / (other_density * other_density) + viscous), x, slope);
+                let push = match p.pressure_force {
+                    PressureForce::Monaghan => term + other_pressure / (other_density * other_density),
+                    PressureForce::Mueller => (pressure + other_pressure) / (density * other_density),
+                };
+                add(mass * (push + viscous), x, slope);
                 // Clavet et al. 2005 and Pirovano 2011: W = 105/(4 pi H^7) (H - r)^4.
                 let (r, radius) = (x.length(), f64::from(p.support_radius));
                 let left = (radius - r).max(0.0);

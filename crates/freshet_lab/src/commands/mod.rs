@@ -12,6 +12,7 @@ pub mod column;
 pub mod convergence;
 pub mod dam_break;
 pub mod float;
+pub mod integrators;
 pub mod leaks;
 pub mod peers;
 pub mod report;
@@ -26,6 +27,7 @@ pub enum Command {
     Column(column::ColumnArgs),
     Convergence(convergence::ConvergenceArgs),
     Float(float::FloatArgs),
+    Integrators(integrators::IntegratorsArgs),
     Leaks(leaks::LeaksArgs),
     Validate(validate::ValidateArgs),
     Stability(stability::StabilityArgs),
@@ -42,6 +44,7 @@ impl Command {
             Command::Column(args) => Some(&args.common),
             Command::Convergence(args) => Some(&args.common),
             Command::Float(args) => Some(&args.common),
+            Command::Integrators(args) => Some(&args.common),
             Command::Leaks(args) => Some(&args.common),
             Command::Validate(args) => (!args.list).then_some(&args.common),
             Command::Stability(args) => Some(&args.common),
@@ -63,6 +66,7 @@ impl Command {
             Command::Column(args) => column::run(args),
             Command::Convergence(args) => convergence::run(args),
             Command::Float(args) => float::run(args),
+            Command::Integrators(args) => integrators::run(args),
             Command::Leaks(args) => leaks::run(args),
             Command::Validate(args) => validate::run(args),
             Command::Stability(args) => stability::run(args),

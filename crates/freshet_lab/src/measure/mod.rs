@@ -10,5 +10,6 @@ pub mod front;
 pub mod machine;
 pub mod reference_error;
 pub mod spacing;
+pub mod spectral_radius;
 pub mod statistics;
 pub mod wall_height;

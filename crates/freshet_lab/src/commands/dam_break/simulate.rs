@@ -1,6 +1,7 @@
 //! One column at one resolution on one backend.
 
 use freshet_core::plan::Plan;
+use freshet_core::scene::FluidScene;
 
 use super::inviscid;
 use crate::backend::Backend;
@@ -84,7 +85,19 @@ pub fn simulate(
     threads: Option<usize>,
     progress: &mut Progress,
 ) -> Result<Run, LabError> {
-    let plan = Plan::new(&method.on(slab::scene(experiment, resolution)))?;
+    simulate_with(experiment, resolution, |scene| method.on(scene), backend, threads, progress)
+}
+
+/// The same with a scene that has been changed otherwise.
+pub fn simulate_with(
+    experiment: &'static DamBreakExperiment,
+    resolution: u32,
+    change: impl FnOnce(FluidScene) -> FluidScene,
+    backend: Backend,
+    threads: Option<usize>,
+    progress: &mut Progress,
+) -> Result<Run, LabError> {
+    let plan = Plan::new(&change(slab::scene(experiment, resolution)))?;
     let (particles, spacing) = (plan.positions.len(), plan.parameters.spacing);
     let unit = experiment.time_unit(GRAVITY);
     let samples = ((experiment.end() + LARGEST_SHIFT) / SAMPLE).ceil() as u32;

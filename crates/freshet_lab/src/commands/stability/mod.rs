@@ -12,7 +12,7 @@ use clap::Args;
 use freshet_core::kernel::KernelKind;
 
 pub use search::{Found, search};
-pub use trial::{Configuration, Failure, Situation, SolverOption, survives};
+pub use trial::{Configuration, Failure, Situation, SolverOption, survives, survives_by};
 
 use crate::backend::Backend;
 use crate::error::LabError;

@@ -2,6 +2,7 @@
 
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::field::Field;
+use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
 use freshet_core::plan::{Parameters, Plan, SceneError};
 use freshet_core::scene::{Boundary, FluidScene, Support, Volume};
@@ -178,8 +179,9 @@ impl Configuration {
         )
     }
 
-    fn plan(&self) -> Result<Plan, SceneError> {
+    fn plan(&self, integrator: Integrator) -> Result<Plan, SceneError> {
         let mut scene = self.situation.scene();
+        scene.settings.integrator = integrator;
         let speed = Plan::new(&scene)?.parameters.expected_speed;
         scene.settings.kernel = self.kernel;
         scene.settings.support = Support::Neighbours(self.neighbours);
@@ -272,7 +274,16 @@ const TICK: f64 = 0.1;
 /// Simulates with steps of `number` times `h / (c + v)` and no other limit (of [`SolverOption::DivergenceFree`]: see there); says how
 /// it failed if it did.
 pub fn survives(configuration: &Configuration, number: f64) -> Result<Option<Failure>, LabError> {
-    let mut plan = configuration.plan()?;
+    survives_by(Integrator::default(), configuration, number)
+}
+
+/// The same with another integrator.
+pub fn survives_by(
+    integrator: Integrator,
+    configuration: &Configuration,
+    number: f64,
+) -> Result<Option<Failure>, LabError> {
+    let mut plan = configuration.plan(integrator)?;
     let parameters = &mut plan.parameters;
     parameters.courant_factor = number as f32;
     parameters.force_factor = 1e6;

@@ -67,7 +67,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 22] = [
+pub const CASES: [&Case; 23] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -75,6 +75,7 @@ pub const CASES: [&Case; 22] = [
     &cases::couette::CASE,
     &cases::taylor_green::CASE,
     &cases::hydrostatic::CASE,
+    &cases::hydrostatic::MUELLER,
     &cases::hydrostatic::DIVERGENCE_FREE,
     &cases::deep_column::CASE,
     &cases::deep_column::DIVERGENCE_FREE,

@@ -23,6 +23,13 @@ pub const CASE: Case = Case {
     run: |job| WEAKLY_COMPRESSIBLE.run(job),
 };
 
+/// The same with the other form of the pressure force.
+pub const MUELLER: Case = Case {
+    name: "hydrostatic-mueller",
+    about: "the same with Mueller's form of the pressure force: pressure against depth, level and speed; exact",
+    run: |job| MUELLERS.run(job),
+};
+
 /// The same with the incompressible solver.
 pub const DIVERGENCE_FREE: Case = Case {
     name: "hydrostatic-dfsph",
@@ -41,6 +48,13 @@ const WEAKLY_COMPRESSIBLE: Study = Study {
     quick: &[8, 12],
     axes: ["depth / D", "pressure / (rho g D)"],
     simulate: |job, resolution, progress| simulate(job, Method::WeaklyCompressible, resolution, progress),
+};
+
+const MUELLERS: Study = Study {
+    name: "hydrostatic-mueller",
+    title: "Water at rest, 0.5 m deep, Mueller's force",
+    simulate: |job, resolution, progress| simulate(job, Method::Mueller, resolution, progress),
+    ..WEAKLY_COMPRESSIBLE
 };
 
 const INCOMPRESSIBLE: Study = Study {
