@@ -11,7 +11,7 @@ use crate::kick::{displace, kick};
 use crate::ledger::Ledger;
 use crate::record::{InFlight, Record};
 use crate::wake::{Habit, WakeRule};
-use crate::world::{RapierView, is_free};
+use crate::world::{RapierView, is_anchored, is_free};
 
 /// The call that is due.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,12 +40,14 @@ pub struct BodyCoupling {
     latest: Option<(Impulse, f32)>,
     /// Whether the tick under way, or else the last, began without contact or joint.
     free: bool,
+    /// Whether it began in contact or joined with what no impulse moves.
+    is_anchored: bool,
     /// Impulse taken from the body before rapier's step and given back after it, so that the step covers the distance
     /// of a steady acceleration.
     overshoot: Impulse,
     /// The body at the end of the last tick, and what has pushed it since.
     hold: Hold,
-    /// Whether contacts and joints held it in its motion in the last step, in lockstep.
+    /// Whether contacts and joints held it in its motion in the last step.
     is_held: bool,
     habit: Habit,
     ledger: Ledger,
@@ -65,6 +67,7 @@ impl BodyCoupling {
             in_flight: InFlight::default(),
             latest: None,
             free: false,
+            is_anchored: false,
             overshoot: Impulse::default(),
             hold: Hold::default(),
             is_held: false,
@@ -110,14 +113,16 @@ impl BodyCoupling {
         }
         let forecast = self.forecast(duration);
         self.free = is_free(self.handle, world);
+        self.is_anchored = !self.free && is_anchored(self.handle, world);
         self.is_held &= !self.free;
         self.overshoot = if self.free { overshoot(body, world) } else { Impulse::default() };
-        self.in_flight.push(Record { tick, duration, forecast });
+        let lacks_since = self.in_flight.oldest_lacking().map_or(tick, |record| record.tick);
+        self.in_flight.push(Record { tick, duration, forecast, is_held: false });
         self.phase = Phase::Apply(forecast);
         let acceleration = acceleration(body, world.gravity, forecast, duration);
         self.hold.add_external(acceleration * duration);
-        let input =
-            BodyInput { acceleration, forecast, corrected_before, free: self.free, ..body_input(body, duration) };
+        let now = body_input(body, duration);
+        let input = BodyInput { acceleration, forecast, corrected_before: lacks_since, free: self.free, ..now };
         Ok(match self.is_held {
             // The fluid meets it in the motion that it has, and rapier finds out whether what holds it still does.
             true => BodyInput { inverse_mass: 0.0, inverse_inertia: Mat3::ZERO, acceleration: Vec3::ZERO, ..input },
@@ -163,6 +168,11 @@ impl BodyCoupling {
         }
         let error = impulse - record.forecast;
         self.ledger.withdraw(record.forecast);
+        if record.is_held {
+            // What held it against the forecast would have held it against the impulse.
+            self.ledger.held.add(error);
+            return Ok(());
+        }
         kick(body, error, &mut self.ledger);
         self.hold.add(error);
         if self.free && !body.is_sleeping() {
@@ -198,12 +208,14 @@ impl BodyCoupling {
     pub fn complete(&mut self, bodies: &mut RigidBodySet) -> Result<(), CouplingError> {
         let body = bodies.get_mut(self.handle).ok_or(CouplingError::NoSuchBody(self.handle))?;
         let Phase::Complete(rest) = self.phase else { return self.check_due("complete", |_| false) };
-        // Of late impulses each answers to a hold that may be gone.
-        let is_in_time = self.in_flight.newest().is_none_or(|record| record.tick != self.tick);
-        self.is_held = is_in_time && !self.free && body.is_dynamic() && self.hold.holds(body);
+        // Late, what holds it has to be there still when the impulse comes, and to have no momentum of its own.
+        let is_late = self.in_flight.newest().is_some_and(|record| record.tick == self.tick);
+        let may_be_held = !self.free && body.is_dynamic() && (self.is_anchored || !is_late);
+        self.is_held = may_be_held && self.hold.holds(body);
         kick(body, rest, &mut self.ledger);
         self.hold = Hold::since(body);
-        if let Some(record) = self.in_flight.newest().filter(|record| record.tick == self.tick) {
+        if let Some(record) = self.in_flight.newest_mut().filter(|record| record.tick == self.tick) {
+            record.is_held = self.is_held;
             self.ledger.advance(record.forecast);
         }
         self.tick += 1;

@@ -4,8 +4,9 @@ use freshet_core::step::Impulse;
 use glam::Vec3;
 use rapier3d::dynamics::RigidBody;
 
-/// Share of what pushes a body that may change its velocities while it counts as held.
-const LEFT: f32 = 0.1;
+/// Share of a push's energy that a body may get while it counts as held. A gate that is free to turn on a hinge at its foot gets 8 % of what the pressure of still
+/// water would give it without the hinge.
+const LEFT: f32 = 0.03;
 
 /// A body at the end of a tick, and what has pushed it since.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,15 +35,19 @@ impl Hold {
         self.external += change;
     }
 
-    /// Whether it has kept its velocities to a tenth of what the push would change of that of some point of it. What nothing pushes is not
-    /// held.
+    /// Whether it has taken next to nothing of what pushed it: contacts and joints leave of a push its projection on what they allow, orthogonal by the body's
+    /// masses, so that the product of push and change of velocities over the push's with itself is the share that is left. A change across the push, as
+    /// contacts make when they settle, is none of it. What nothing pushes is not held.
     pub(crate) fn holds(&self, body: &RigidBody) -> bool {
         let properties = body.mass_properties();
-        let extent = properties.max_extent();
-        let linear = self.external + self.impulse.linear * properties.effective_inv_mass;
-        let angular = properties.effective_world_inv_inertia * self.impulse.angular;
-        let push = linear.length() + angular.length() * extent;
-        let (linear, angular) = (body.linvel() - self.linear_velocity, body.angvel() - self.angular_velocity);
-        push > 0.0 && linear.length() + angular.length() * extent <= LEFT * push
+        let linear = self.external * body.mass() + self.impulse.linear;
+        let angular = self.impulse.angular;
+        let share = |changes: [Vec3; 2]| changes[0].dot(linear) + changes[1].dot(angular);
+        let free = share([
+            self.external + self.impulse.linear * properties.effective_inv_mass,
+            properties.effective_world_inv_inertia * angular,
+        ]);
+        let left = share([body.linvel() - self.linear_velocity, body.angvel() - self.angular_velocity]);
+        free > 0.0 && left.abs() <= LEFT * free
     }
 }

@@ -45,7 +45,8 @@ pub struct Ledger {
     pub advanced: Momentum,
     /// Change of the body's momentum by the coupling, measured on its velocities before and after each call.
     pub given: Momentum,
-    /// What a body could not take because it was asleep, locked or not dynamic.
+    /// What a body could not take because it was asleep, locked or not dynamic, and what of late impulses the forecasts had too little or too much while
+    /// something that stands fast held it.
     pub held: Momentum,
     /// Sum of the magnitudes of the delivered linear impulses, N s: the scale for [`imbalance`](Self::imbalance).
     pub exchanged: f64,

@@ -12,6 +12,8 @@ pub(crate) struct Record {
     pub(crate) duration: f32,
     /// Impulse told to the solver and applied in the tick's step.
     pub(crate) forecast: Impulse,
+    /// Whether contacts and joints held the body in its motion in the tick's step, so that they took the impulse.
+    pub(crate) is_held: bool,
 }
 
 /// Ticks whose true impulse is not known, oldest first; the newest may not have been stepped yet.
@@ -31,6 +33,16 @@ impl InFlight {
 
     pub(crate) fn newest(&self) -> Option<&Record> {
         self.records.back()
+    }
+
+    pub(crate) fn newest_mut(&mut self) -> Option<&mut Record> {
+        self.records.back_mut()
+    }
+
+    /// The oldest of which the body may lack something: none later was held.
+    pub(crate) fn oldest_lacking(&self) -> Option<&Record> {
+        let held = self.records.iter().rposition(|record| record.is_held).map_or(0, |held| held + 1);
+        self.records.get(held)
     }
 
     /// Takes out the oldest if it is of this tick.

@@ -48,3 +48,20 @@ pub fn is_free(handle: RigidBodyHandle, world: &RapierView<'_>) -> bool {
             .iter()
             .any(|&collider| world.narrow_phase.contact_pairs_with(collider).any(|pair| pair.has_any_active_contact()))
 }
+
+/// Whether it touched something in the last step that no impulse moves, or has an enabled joint with such a thing.
+pub(crate) fn is_anchored(handle: RigidBodyHandle, world: &RapierView<'_>) -> bool {
+    let stands_fast = |other: Option<RigidBodyHandle>| {
+        other.and_then(|other| world.bodies.get(other)).is_none_or(|other| !other.is_dynamic())
+    };
+    let Some(body) = world.bodies.get(handle) else { return false };
+    let mut joined = world.impulse_joints.attached_enabled_joints(handle);
+    let mut pairs = body.colliders().iter().flat_map(|&collider| world.narrow_phase.contact_pairs_with(collider));
+    joined.any(|(first, second, ..)| stands_fast(Some(first)) || stands_fast(Some(second)))
+        || world.multibody_joints.bodies_attached_with_enabled_joint(handle).any(|other| stands_fast(Some(other)))
+        || pairs.any(|pair| {
+            let mut sides =
+                pair.manifolds.iter().flat_map(|manifold| [manifold.data.rigid_body1, manifold.data.rigid_body2]);
+            pair.has_any_active_contact() && sides.any(stands_fast)
+        })
+}
