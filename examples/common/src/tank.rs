@@ -18,7 +18,7 @@ pub fn pieces(
         ..default()
     });
     let plate = materials.add(StandardMaterial {
-        base_color: Color::srgb(0.86, 0.88, 0.90),
+        base_color: Color::srgb(0.33, 0.36, 0.40),
         perceptual_roughness: 0.6,
         ..default()
     });
