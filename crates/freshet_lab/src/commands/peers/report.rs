@@ -92,7 +92,8 @@ fn csv(runs: &[Run], date: &str) -> Csv {
     let comment = format!(
         "Systems in the benchmark tank, {date}: \
          `cargo run --release -p freshet_lab --features peers -- peers`; wall time of the stepping alone; compression by one \
-         cubic-spline sum for all, mean over frames of 0.05 s, its maximum over all of them."
+         cubic-spline sum for all, mean over frames of 0.05 s, its maximum over all of them. Ratios are repeat by repeat, the median \
+         and the spread."
     );
     let columns = [
         "system",
@@ -113,7 +114,14 @@ fn csv(runs: &[Run], date: &str) -> Csv {
         "time_scale",
         "front_m",
     ];
-    let mut csv = Csv::new([comment.as_str()], &columns);
+    let over = |peer: &Peer| {
+        let ratios = ratios(runs, *peer);
+        let (least, most) = spread(&ratios).unwrap_or((f64::NAN, f64::NAN));
+        let of = format!("{}, {}", peer.system(), peer.settings());
+        format!("{of}: {:.2} ({least:.2} to {most:.2}) times the time of the first", middle(ratios))
+    };
+    let ratios: Vec<String> = peers(runs).iter().skip(1).map(over).collect();
+    let mut csv = Csv::new(std::iter::once(comment.as_str()).chain(ratios.iter().map(String::as_str)), &columns);
     for run in runs {
         let fronts: Vec<String> = run.front.iter().map(|front| format!("{front:.4}")).collect();
         let kept = |text: fn(&Kept) -> String| run.kept.as_ref().map_or("unknown".to_owned(), text);
@@ -225,7 +233,8 @@ mod tests {
         let text = table(&runs).to_string();
         assert!(text.contains("3.50 (3.00 to 4.00)"), "{text}");
         let text = csv(&runs, "2026-01-02").text().to_owned();
-        assert_eq!(text.lines().count(), 6, "{text}");
+        assert_eq!(text.lines().count(), 7, "{text}");
+        assert!(text.contains(": 3.50 (3.00 to 4.00) times the time of the first\n"), "{text}");
         assert_eq!(text.matches(",0,1.0000,").count(), 2, "ours say what they lost: {text}");
         assert_eq!(text.matches(",unknown,unknown,").count(), 2, "{text}");
         assert!(text.starts_with("# Systems in the benchmark tank, 2026-01-02"), "{text}");
