@@ -11,8 +11,8 @@ use freshet_core::scene::{Boundary, FluidScene, Volume};
 use freshet_core::solver::{FluidSolver, SolverError};
 use freshet_core::step::{Impulse, StepReport};
 use freshet_rapier::{Coupling, RapierView, body_from_rigid_body, quasi_fluid_from_rigid_body};
-use glam::Vec3;
-use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodyType};
+use glam::{DVec3, Vec3};
+use rapier3d::dynamics::{RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodyType};
 use rapier3d::geometry::ColliderBuilder;
 use rapier3d::pipeline::PhysicsWorld;
 
@@ -114,6 +114,24 @@ impl Tank {
     }
 }
 
+impl Tank {
+    /// Its water with bodies in it, each of one collider, in the way that the job says; rapier hears of impulses `latency` ticks late.
+    pub fn with_bodies(
+        &self,
+        job: &Job,
+        name: &str,
+        bodies: impl IntoIterator<Item = (RigidBodyBuilder, ColliderBuilder)>,
+        latency: u64,
+    ) -> Result<Afloat, LabError> {
+        let mut world = self.world();
+        // Bodies are measured as they lie, awake.
+        let insert =
+            |(body, collider): (RigidBodyBuilder, ColliderBuilder)| world.insert(body.can_sleep(false), collider).0;
+        let handles: Vec<RigidBodyHandle> = bodies.into_iter().map(insert).collect();
+        Afloat::open(job, self.scene(name), world, &handles, latency)
+    }
+}
+
 /// A solver and a world, coupled.
 pub struct Afloat {
     solver: Box<dyn FluidSolver>,
@@ -125,6 +143,8 @@ pub struct Afloat {
     late: VecDeque<StepReport>,
     latency: u64,
     ticks: u64,
+    /// Samples of each body that the fluid reached in the last tick.
+    wetted: Vec<u32>,
     account: Account,
 }
 
@@ -159,6 +179,7 @@ impl Afloat {
             late: VecDeque::new(),
             latency: if job.lockstep { 0 } else { latency },
             ticks: 0,
+            wetted: Vec::new(),
             account: Account::default(),
         })
     }
@@ -172,6 +193,7 @@ impl Afloat {
         let report = self.solver.step(&self.clock.next(self.solver.plan(), TICK as f32, bodies))?;
         self.clock.hear(&report);
         let (given, spent, compression) = (report.bodies.clone(), start.elapsed(), report.mean_compression);
+        self.wetted.clone_from(&report.wetted);
         self.account.add(&report, spent, compression.into());
         self.late.push_back(report);
         self.receive(tick)?;
@@ -195,11 +217,48 @@ impl Afloat {
         &self.world.bodies[self.bodies[index]]
     }
 
+    /// From the next tick on rapier hears of impulses so many ticks late, 0 to 3, unless the job says in lockstep.
+    pub fn set_latency(&mut self, job: &Job, latency: u64) {
+        self.latency = if job.lockstep { 0 } else { latency };
+    }
+
+    /// Share of a body's samples that the fluid reached in the last tick.
+    pub fn wetted(&self, index: usize) -> f64 {
+        let wetted = self.wetted.get(index).copied().unwrap_or(0);
+        f64::from(wetted) / self.solver.plan().bodies[index].samples.len().max(1) as f64
+    }
+
+    /// Momentum of the fluid, kg m/s.
+    pub fn momentum_of_fluid(&mut self) -> Result<DVec3, LabError> {
+        let mass = f64::from(self.solver.plan().parameters.particle_mass);
+        let velocities = self.vectors(Field::Velocity)?;
+        Ok(mass * velocities.into_iter().map(Vec3::as_dvec3).sum::<DVec3>())
+    }
+
+    /// Momentum of all bodies as rapier has them, kg m/s. What late impulses lack of theirs is not in it.
+    pub fn momentum_of_bodies(&self) -> DVec3 {
+        let momentum = |body: &RigidBody| f64::from(body.mass()) * body.linvel().as_dvec3();
+        (0..self.bodies.len()).map(|index| momentum(self.body(index))).sum()
+    }
+
     /// Lets go of a body that was fixed.
     pub fn release(&mut self, index: usize) {
         let PhysicsWorld { bodies, colliders, .. } = &mut self.world;
         let body = &mut bodies[self.bodies[index]];
         body.set_body_type(RigidBodyType::Dynamic, true);
+        // Rapier does this in its next step; the coupling asks before that.
+        body.recompute_mass_properties_from_colliders(colliders);
+    }
+
+    /// Gives all colliders of a body this density, kg/m3.
+    pub fn set_density(&mut self, index: usize, density: f32) {
+        let PhysicsWorld { bodies, colliders, .. } = &mut self.world;
+        let body = &mut bodies[self.bodies[index]];
+        for &collider in body.colliders() {
+            if let Some(collider) = colliders.get_mut(collider) {
+                collider.set_density(density);
+            }
+        }
         // Rapier does this in its next step; the coupling asks before that.
         body.recompute_mass_properties_from_colliders(colliders);
     }
@@ -226,7 +285,10 @@ impl Afloat {
 
     /// Where they are, m.
     pub fn positions(&mut self) -> Result<Vec<Vec3>, LabError> {
-        let field = Field::Position;
+        self.vectors(Field::Position)
+    }
+
+    fn vectors(&mut self, field: Field) -> Result<Vec<Vec3>, LabError> {
         self.solver.read(field)?.vectors().ok_or_else(|| SolverError::NoSuchField(field.name()).into())
     }
 

@@ -111,3 +111,35 @@ fn bodies_float_as_deep_as_archimedes_says() -> Result<(), LabError> {
 fn the_lightest_and_the_heaviest_ball_throw_nothing_about() -> Result<(), LabError> {
     assert_passes("light-and-heavy", Backend::Cpu)
 }
+
+#[test]
+fn a_ball_let_go_under_water_begins_to_move_as_it_should() -> Result<(), LabError> {
+    assert_passes("added-mass", Backend::Cpu)
+}
+
+#[test]
+fn a_gate_holds_water_back_in_time_and_late() -> Result<(), LabError> {
+    assert_passes("gate", Backend::Cpu)
+}
+
+#[test]
+fn a_ball_bobs_as_long_as_it_should() -> Result<(), LabError> {
+    assert_passes("heave", Backend::Cpu)
+}
+
+#[test]
+fn a_block_between_a_wall_and_water_does_not_shake() -> Result<(), LabError> {
+    assert_passes("pinned", Backend::Cpu)?;
+    assert_passes("pinned", Backend::Gpu)
+}
+
+#[test]
+fn water_thrown_at_bodies_keeps_the_momentum_of_all() -> Result<(), LabError> {
+    assert_passes("splash", Backend::Cpu)?;
+    assert_passes("splash", Backend::Gpu)
+}
+
+#[test]
+fn a_ball_under_water_takes_its_room_and_is_wet() -> Result<(), LabError> {
+    assert_passes("wet", Backend::Cpu)
+}

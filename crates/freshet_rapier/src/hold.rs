@@ -4,8 +4,8 @@ use freshet_core::step::Impulse;
 use glam::Vec3;
 use rapier3d::dynamics::RigidBody;
 
-/// Share of a push's energy that a body may get while it counts as held. A gate that is free to turn on a hinge at its foot gets 8 % of what the pressure of still
-/// water would give it without the hinge.
+/// Share of a push's energy that a body may get while it counts as held. A gate that is free to turn on a hinge at its foot gets 8 % of what the
+/// pressure of still water would give it without the hinge.
 const LEFT: f32 = 0.03;
 
 /// A body at the end of a tick, and what has pushed it since.
@@ -35,9 +35,9 @@ impl Hold {
         self.external += change;
     }
 
-    /// Whether it has taken next to nothing of what pushed it: contacts and joints leave of a push its projection on what they allow, orthogonal by the body's
-    /// masses, so that the product of push and change of velocities over the push's with itself is the share that is left. A change across the push, as
-    /// contacts make when they settle, is none of it. What nothing pushes is not held.
+    /// Whether it has taken next to nothing of what pushed it: contacts and joints leave of a push its projection on what they allow, orthogonal by
+    /// the body's masses, so that the product of push and change of velocities over the push's with itself is the share that is left. A change across
+    /// the push, as contacts make when they settle, is none of it. What nothing pushes is not held.
     pub(crate) fn holds(&self, body: &RigidBody) -> bool {
         let properties = body.mass_properties();
         let linear = self.external * body.mass() + self.impulse.linear;

@@ -190,7 +190,8 @@ fn what_contacts_hold_the_fluid_does_not_move_within_the_tick() {
     assert!(!is_moved(&world, &coupling, 121), "late, too");
 }
 
-/// A blow against the floor is forecast again in the next ticks. The floor takes all of it, so nothing of it is taken back from the stone; what lifts it lifts it late.
+/// A blow against the floor is forecast again in the next ticks. The floor takes all of it, so nothing of it is taken back from the stone; what lifts
+/// it lifts it late.
 #[test]
 fn what_the_floor_has_taken_is_not_taken_back() {
     for latency in 1..=3u64 {

@@ -67,7 +67,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 23] = [
+pub const CASES: [&Case; 29] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -85,6 +85,12 @@ pub const CASES: [&Case; 23] = [
     &cases::added_mass::CASE,
     &cases::gate::CASE,
     &cases::heave::CASE,
+    &cases::righting::CASE,
+    &cases::stacked::CASE,
+    &cases::pinned::CASE,
+    &cases::splash::CASE,
+    &cases::wet::CASE,
+    &cases::crates::CASE,
     &cases::spin::CASE,
     &cases::commands::COLUMN,
     &cases::commands::FLOAT,
@@ -94,12 +100,18 @@ pub const CASES: [&Case; 23] = [
 ];
 
 /// Names of the cases that have bodies in each of the ways there are.
-pub const WITH_BODIES: [&str; 5] = [
+pub const WITH_BODIES: [&str; 11] = [
     cases::draft::CASE.name,
     cases::light_and_heavy::CASE.name,
     cases::added_mass::CASE.name,
     cases::gate::CASE.name,
     cases::heave::CASE.name,
+    cases::righting::CASE.name,
+    cases::stacked::CASE.name,
+    cases::pinned::CASE.name,
+    cases::splash::CASE.name,
+    cases::wet::CASE.name,
+    cases::crates::CASE.name,
 ];
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use rapier3d::dynamics::RigidBodyBuilder;
 use rapier3d::geometry::{ColliderBuilder, SharedShape};
 
 use super::super::{Case, Job, Level, Study, Trace};
-use crate::afloat::{Afloat, DIAMETER, TICK, Tank};
+use crate::afloat::{DIAMETER, TICK, Tank};
 use crate::drive::Account;
 use crate::error::LabError;
 use crate::measure::statistics::mean;
@@ -107,14 +107,12 @@ fn float(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run, LabError> {
     let (tank, edge) = (Tank::for_bodies(resolution), f64::from(DIAMETER));
-    let mut world = tank.world();
     let expected = (floater.draft)(ratio);
     let height = tank.depth + (0.5 - expected as f32) * DIAMETER;
-    // It is measured as it lies, upright and awake.
-    let body = RigidBodyBuilder::dynamic().translation(glam::Vec3::Y * height).lock_rotations().can_sleep(false);
+    // It is measured upright.
+    let body = RigidBodyBuilder::dynamic().translation(glam::Vec3::Y * height).lock_rotations();
     let collider = ColliderBuilder::new((floater.shape)()).density(1000.0 * ratio as f32);
-    let (handle, _) = world.insert(body, collider);
-    let mut afloat = Afloat::open(job, tank.scene("draft"), world, &[handle], LATENCY)?;
+    let mut afloat = tank.with_bodies(job, "draft", [(body, collider)], LATENCY)?;
     let end = END[usize::from(job.quick)];
     let ticks = (end / TICK).round() as u32;
     let (mut by_volume, mut by_surface, mut points) = (Vec::new(), Vec::new(), Vec::new());

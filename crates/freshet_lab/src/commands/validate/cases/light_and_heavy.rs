@@ -6,7 +6,7 @@ use rapier3d::dynamics::RigidBodyBuilder;
 use rapier3d::geometry::ColliderBuilder;
 
 use super::super::{Case, Job, Level, Study, Trace};
-use crate::afloat::{Afloat, DIAMETER, TICK, Tank};
+use crate::afloat::{DIAMETER, TICK, Tank};
 use crate::drive::Account;
 use crate::error::LabError;
 use crate::progress::Progress;
@@ -47,7 +47,6 @@ fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level
     let (mut account, mut particles) = (Account::default(), 0);
     for (index, (ratio, start)) in BALLS.into_iter().enumerate() {
         let tank = Tank::for_bodies(resolution);
-        let mut world = tank.world();
         let edge = f64::from(DIAMETER);
         let rest = match ratio < 1.0 {
             true => f64::from(tank.depth) + (0.5 - archimedes::draft_of_ball(ratio)) * edge,
@@ -55,9 +54,9 @@ fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level
         };
         // The light one begins above where it floats, as the heavy one above the floor.
         let place = Vec3::Y * (rest + start * edge) as f32;
-        let body = RigidBodyBuilder::dynamic().translation(place).can_sleep(false);
-        let (handle, _) = world.insert(body, ColliderBuilder::ball(DIAMETER / 2.0).density(1000.0 * ratio as f32));
-        let mut afloat = Afloat::open(job, tank.scene("light and heavy"), world, &[handle], LATENCY)?;
+        let ball = ColliderBuilder::ball(DIAMETER / 2.0).density(1000.0 * ratio as f32);
+        let body = RigidBodyBuilder::dynamic().translation(place);
+        let mut afloat = tank.with_bodies(job, "light and heavy", [(body, ball)], LATENCY)?;
         let ticks = (END[usize::from(job.quick)] / TICK).round() as u32;
         let (mut points, mut fastest) = (Vec::new(), 0.0f32);
         for tick in 1..=ticks {
