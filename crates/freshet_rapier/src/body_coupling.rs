@@ -159,6 +159,7 @@ impl BodyCoupling {
         };
         self.latest = Some((impulse, record.duration));
         self.ledger.deliver(impulse);
+        let was_asleep = body.is_sleeping();
         if self.habit.note(self.wake, impulse, record.duration, body) {
             body.wake_up(true);
         }
@@ -168,8 +169,8 @@ impl BodyCoupling {
         }
         let error = impulse - record.forecast;
         self.ledger.withdraw(record.forecast);
-        if record.is_held {
-            // What held it against the forecast would have held it against the impulse.
+        if record.is_held && (!was_asleep || body.is_sleeping()) {
+            // What held it against the forecast would have held it against the impulse. What wakes it has yet to be tried.
             self.ledger.held.add(error);
             return Ok(());
         }

@@ -228,6 +228,35 @@ fn what_the_floor_has_taken_is_not_taken_back() {
     }
 }
 
+/// A gate on a hinge at its foot in low water, of whose push the hinge takes 99 %: it is free to turn, and goes on turning.
+#[test]
+fn what_a_hinge_nearly_holds_is_free_to_turn() {
+    for latency in [0, 2] {
+        let mut world = world();
+        world.gravity = Vec3::ZERO;
+        let (foot, _) = world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::ball(0.01));
+        let gate = RigidBodyBuilder::dynamic().translation(Vec3::Y * 0.5).can_sleep(false);
+        let (handle, _) = world.insert(gate, ColliderBuilder::cuboid(0.02, 0.5, 0.5).mass(1.0));
+        let hinge = RevoluteJointBuilder::new(Vec3::Z).local_anchor1(Vec3::ZERO).local_anchor2(Vec3::NEG_Y * 0.5);
+        world.impulse_joints.insert(foot, handle, hinge.contacts_enabled(false).build(), true);
+        // At a tenth of its height.
+        let push = Impulse { linear: Vec3::X * TICK, angular: Vec3::Z * 0.4 * TICK };
+        let mut coupling = BodyCoupling::new(handle, 0);
+        for tick in 0..30u64 {
+            let input = coupling.begin_tick(tick, &RapierView::from(&world)).unwrap();
+            assert!(tick < 12 || input.inverse_mass > 0.0, "{latency}, tick {tick}: {}", world.bodies[handle].angvel());
+            if let Some(known) = tick.checked_sub(latency) {
+                coupling.receive(known, push, &mut world.bodies).unwrap();
+            }
+            coupling.apply_forecast(&mut world.bodies).unwrap();
+            world.step();
+            coupling.complete(&mut world.bodies).unwrap();
+        }
+        let turns = world.bodies[handle].angvel().length();
+        assert!(turns > 0.1, "{latency}: {turns} rad/s");
+    }
+}
+
 /// A stone on another that can move passes on what it gets: what was forecast too much is taken back.
 #[test]
 fn what_no_floor_holds_is_corrected() {

@@ -84,6 +84,11 @@ fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level
             let way = f64::from(afloat.body(0).translation().y - start.0) / edge;
             let what = "the way of one that weighs as much as water in a second, over D";
             checks.push(Check::new(what, way, "", Bound::Within(-STAYS, STAYS)));
+            let since = f64::from(afloat.body(0).translation().y - Tank::for_bodies(resolution).depth / 2.0) / edge;
+            remarks.push(format!(
+                "ratio 1: {:.2} % of D since it was put there, before the water came to rest",
+                100.0 * since
+            ));
         } else if let Some(&(_, velocity, reference)) = points.last() {
             remarks
                 .push(format!("ratio {ratio}: {:.3} times the acceleration of potential theory", velocity / reference));
