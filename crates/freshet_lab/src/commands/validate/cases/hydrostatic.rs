@@ -74,6 +74,9 @@ const LATE: f64 = 2.0;
 const TICK: f64 = 1.0 / 60.0;
 /// Largest mean speed at the end, m/s.
 const SPEED: f64 = 0.01;
+/// Largest deviation of single particles, over rho g D, times the particles of depth, %: pressures beside walls alternate from layer to layer. A guard, a fifth more
+/// than was measured (4.7, 3.7 and 2.4 % at 8, 12 and 20).
+const SINGLE: f64 = 57.0;
 
 fn simulate(job: &Job, method: Method, resolution: u32, progress: &mut Progress) -> Result<Level, LabError> {
     let spacing = DEPTH / f64::from(resolution);
@@ -125,12 +128,17 @@ fn simulate(job: &Job, method: Method, resolution: u32, progress: &mut Progress)
                     Bound::AtMost(0.5),
                 ),
                 Check::new("mean speed at the end", speed * 1000.0, "mm/s", Bound::AtMost(SPEED * 1000.0)),
+                Check::new(
+                    "pressures of single particles, RMS over rho g D",
+                    100.0 * share(mean(scatter).map(f64::sqrt)),
+                    "%",
+                    Bound::AtMost(SINGLE / f64::from(resolution)),
+                ),
             ])
             .collect(),
         remarks: vec![format!(
-            "a support radius and more from the side walls {:.3} % RMS; single particles {:.3} %",
+            "a support radius and more from the side walls {:.3} % RMS",
             100.0 * share(inside.deviation(reference)),
-            100.0 * share(mean(scatter).map(f64::sqrt)),
         )],
         account: drive.account().clone(),
     })
