@@ -56,6 +56,8 @@ fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level
         ..FluidScene::with_spacing(DIAMETER / resolution as f32)
     });
     scene.settings.expected_speed = Some(SPEED);
+    // Nothing that is squeezed out between bodies gets so far: what leaves the bounds takes its momentum along.
+    scene.settings.bounds = Some((Vec3::splat(-20.0), Vec3::splat(20.0)));
     let mut world = PhysicsWorld::new();
     world.gravity = Vec3::ZERO;
     world.integration_parameters.dt = TICK as f32;
