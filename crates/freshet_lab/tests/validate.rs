@@ -134,12 +134,14 @@ fn a_ball_let_go_under_water_begins_to_move_as_it_should() -> Result<(), LabErro
 
 #[test]
 fn a_gate_holds_water_back_in_time_and_late() -> Result<(), LabError> {
-    assert_passes("gate", Backend::Cpu)
+    assert_passes("gate", Backend::Cpu)?;
+    assert_passes("gate", Backend::Gpu)
 }
 
 #[test]
 fn a_ball_bobs_as_long_as_it_should() -> Result<(), LabError> {
-    assert_passes("heave", Backend::Cpu)
+    assert_passes("heave", Backend::Cpu)?;
+    assert_passes("heave", Backend::Gpu)
 }
 
 #[test]
@@ -156,14 +158,16 @@ fn water_thrown_at_bodies_keeps_the_momentum_of_all() -> Result<(), LabError> {
 
 #[test]
 fn a_ball_under_water_takes_its_room_and_is_wet() -> Result<(), LabError> {
-    assert_passes("wet", Backend::Cpu)
+    assert_passes("wet", Backend::Cpu)?;
+    assert_passes("wet", Backend::Gpu)
 }
 
 /// Fluid under pressure is a soft solid, see docs/coupling.md: a barge is not righted as far as it should be.
 #[test]
 fn a_barge_keeps_all_bounds_but_the_righting_moment() -> Result<(), LabError> {
     let known = ["error of the righting moment"];
-    assert_misses_only("righting", Backend::Cpu, BodyMethod::default(), false, &known)
+    assert_misses_only("righting", Backend::Cpu, BodyMethod::default(), false, &known)?;
+    assert_misses_only("righting", Backend::Gpu, BodyMethod::default(), false, &known)
 }
 
 /// When rapier hears late, crates throw each other off; in lockstep they do not.
