@@ -53,6 +53,8 @@ const WEAKLY_COMPRESSIBLE: Study = Study {
 const MUELLERS: Study = Study {
     name: "hydrostatic-mueller",
     title: "Water at rest, 0.5 m deep, Mueller's force",
+    // All quick forms together have a minute.
+    quick: &[8],
     simulate: |job, resolution, progress| simulate(job, Method::Mueller, resolution, progress),
     ..WEAKLY_COMPRESSIBLE
 };
