@@ -2,7 +2,6 @@
 //!
 //! All ten that Pirovano 2011 compares (section 2.3.1), each with one evaluation of the acceleration `f(x, v)` a step. [`oscillator`] has
 //! each as an exact step of a linear oscillator: that is their definition, and what their limits are found from.
-
 //!
 //! Solvers evaluate accelerations where particles are and move them then: [`Integrator::velocity`], [`Integrator::motion`] and
 //! [`Integrator::keep`] are the same steps in that order, from one evaluation to the next, with steps of any length. What a particle
