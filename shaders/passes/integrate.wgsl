@@ -18,11 +18,11 @@ fn wrapped(position: vec3<f32>) -> vec3<f32> {
 }
 #endif
 
-#ifdef HISTORIES
+#ifdef PASTS
 // Keeps the substep; `motion` is what the particle moved with.
 fn keep(i: u32, past: integrator::Past, a: vec3<f32>, motion: vec3<f32>, h: f32) {
     fields::set_history(i, 0u, h);
-#if HISTORY_WORDS >= 4
+#if PAST_WORDS >= 4
 #ifdef INTEGRATOR_VERLET
     let first = motion;
 #else
@@ -32,7 +32,7 @@ fn keep(i: u32, past: integrator::Past, a: vec3<f32>, motion: vec3<f32>, h: f32)
     fields::set_history(i, 2u, first.y);
     fields::set_history(i, 3u, first.z);
 #endif
-#if HISTORY_WORDS >= 8
+#if PAST_WORDS >= 8
     fields::set_history(i, 4u, past.step);
     fields::set_history(i, 5u, past.first.x);
     fields::set_history(i, 6u, past.first.y);
@@ -53,7 +53,7 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     let past = integrator::past_of(a);
     let velocity = integrator::velocity_after(past, fields::velocity_and_density(a).xyz, acceleration, dt);
     var motion = integrator::motion_in(past, velocity, acceleration, dt);
-#ifdef HISTORIES
+#ifdef PASTS
     keep(a, past, acceleration, motion, dt);
 #endif
 #else

@@ -142,6 +142,10 @@ fn step_control() {
     let first = fields::control.substeps == 0u;
     fields::control.smallest_substep = select(min(fields::control.smallest_substep, substep), substep, first);
     fields::control.substep = substep;
+#ifdef CARRIED
+    // Densities follow at the start of the next.
+    fields::control.last_substep = substep;
+#endif
     fields::control.substeps += 1u;
     fields::control.remaining -= substep;
     fields::control.count = live;

@@ -4,6 +4,7 @@
 //! reasons; a solver ([`FluidSolver`](solver::FluidSolver), in `freshet_cpu` and `freshet_gpu`) executes the plan tick
 //! by tick. Nothing here knows an engine, a thread, a GPU or a file.
 
+pub mod density_form;
 pub mod emitter;
 pub mod equation_of_state;
 pub mod error;
@@ -38,6 +39,7 @@ pub mod xsph;
 
 /// What most programs need.
 pub mod prelude {
+    pub use crate::density_form::DensityForm;
     pub use crate::emitter::Emitter;
     pub use crate::equation_of_state::EquationOfState;
     pub use crate::error::InvalidInput;

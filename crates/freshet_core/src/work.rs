@@ -43,6 +43,11 @@ impl Work {
             // Cell of a position.
             StageKind::Sort => Self { per_particle: 3 * 2, per_pair: 0 },
             StageKind::Density => {
+                if parameters.density.is_carried() {
+                    // Difference of velocities, way back, v.x; what is carried and the density of it, pressure and compression.
+                    let per_pair = DISTANCE + 3 + ADD_VECTOR + RELATIVE + slope + 5 + 2;
+                    return Self { per_particle: 3 + 2 + of_pressure(parameters) + 2 + 7, per_pair };
+                }
                 let of_density = DISTANCE + RELATIVE + shape + 2 + width(3);
                 match parameters.pressure_solver {
                     // p / rho^2 and the compression.

@@ -760,3 +760,41 @@ fn what_an_incompressible_fluid_cannot_have_is_refused() {
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
     }
 }
+
+#[test]
+fn a_density_that_is_carried_is_refused_with_what_its_rate_does_not_know() {
+    let with = |change: fn(&mut FluidScene)| {
+        let mut scene = dam_break();
+        scene.settings.density = DensityForm::Continuity;
+        change(&mut scene);
+        Plan::new(&scene).map_err(|error| error.to_string())
+    };
+    let plan = with(|_| ()).unwrap();
+    assert_eq!(plan.excesses.len(), plan.positions.len());
+    assert!(plan.stages.iter().any(|stage| stage.reason.contains("particles carry")));
+    assert!(Plan::new(&dam_break()).unwrap().excesses.is_empty());
+    let refused: [(fn(&mut FluidScene), &str); 7] = [
+        (|scene| scene.settings.widest_support = 1.5, "settings.widest_support"),
+        (|scene| scene.settings.xsph = 0.5, "settings.xsph"),
+        (|scene| scene.settings.integrator = Integrator::Leapfrog, "leapfrog"),
+        (|scene| scene.settings.relaxation = Some(Relaxation::default()), "settings.relaxation"),
+        (|scene| scene.settings.pressure_solver = PressureSolver::DivergenceFree(DivergenceFree::default()), "weakly"),
+        (|scene| scene.bodies = vec![cork()], "1 bodies"),
+        (
+            |scene| {
+                scene.settings.density = DensityForm::AdaptedContinuity;
+                scene.settings.xsph = 0.5;
+            },
+            "adapted continuity",
+        ),
+    ];
+    for (change, word) in refused {
+        let message = with(change).unwrap_err();
+        assert!(message.contains("settings.density") && message.contains(word), "{message}");
+    }
+    // The adapted sum is the sum.
+    let mut adapted = dam_break();
+    adapted.settings.density = DensityForm::Adapted;
+    adapted.settings.xsph = 0.5;
+    assert!(Plan::new(&adapted).unwrap().excesses.is_empty());
+}

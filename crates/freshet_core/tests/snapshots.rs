@@ -31,7 +31,7 @@ const BODY: usize = 12;
 
 /// A body with the beginning that belongs to it: what is wrong with it is found by what comes after the checksum.
 fn sealed(body: &[u8]) -> Vec<u8> {
-    [b"FRESHET\x05", &crc32(body).to_le_bytes()[..], body].concat()
+    [b"FRESHET\x06", &crc32(body).to_le_bytes()[..], body].concat()
 }
 
 /// CRC-32 (IEEE 802.3), bit by bit.
@@ -62,7 +62,7 @@ fn another_file_is_no_snapshot() {
         match Snapshot::from_bytes(other) {
             Err(SnapshotError::NotASnapshot { found, expected }) => {
                 assert_eq!(found, &other[..other.len().min(8)]);
-                assert_eq!(expected, b"FRESHET\x05");
+                assert_eq!(expected, b"FRESHET\x06");
             }
             result => panic!("{result:?}"),
         }

@@ -256,6 +256,9 @@ impl CpuSolver {
         for (pressure, &start) in solver.particles.pressure.iter_mut().zip(&solver.plan.pressures) {
             *pressure = start;
         }
+        for (excess, &start) in solver.particles.excess.iter_mut().zip(&solver.plan.excesses) {
+            *excess = start;
+        }
         relax(&mut solver)?;
         Ok(solver)
     }
@@ -305,6 +308,16 @@ impl CpuSolver {
             self.density.clear();
             self.particles.keep_pressures(solves);
             self.last_substep = 0.0;
+        }
+        let carries = self.plan.parameters.density.is_carried();
+        if carries != !self.particles.excess.is_empty() {
+            self.particles.carry_densities(carries);
+            self.last_substep = 0.0;
+            // From a state that another plan left: pressures go on, and what lacked neighbours lacks them no more.
+            let rest_density = self.plan.parameters.rest_density;
+            for (excess, density) in self.particles.excess.iter_mut().zip(&self.density) {
+                *excess = (density / rest_density - 1.0).max(0.0);
+            }
         }
         if self.integrator != self.plan.parameters.integrator {
             self.integrator = self.plan.parameters.integrator;
@@ -562,6 +575,9 @@ impl CpuSolver {
             self.last_substep = dt;
         } else {
             self.final_velocities(dt, tally);
+            if self.plan.parameters.density.is_carried() {
+                self.last_substep = dt;
+            }
         }
         tally.timed("body_motion", || {
             for (body, load) in self.bodies.iter_mut().zip(&self.loads) {
@@ -649,6 +665,10 @@ impl FluidSolver for CpuSolver {
                 true => order.iter().map(|&i| self.particles.pressure[i]).collect(),
                 false => Vec::new(),
             },
+            excesses: match self.particles.excess.is_empty() {
+                true => Vec::new(),
+                false => order.iter().map(|&i| self.particles.excess[i]).collect(),
+            },
             last_substep: self.last_substep,
             integrator: self.integrator,
             histories: order.iter().flat_map(|&i| self.particles.history_of(i)).collect(),
@@ -670,7 +690,11 @@ impl FluidSolver for CpuSolver {
         if particles.keeps_pressures() {
             particles.pressure[..snapshot.pressures.len()].copy_from_slice(&snapshot.pressures);
         }
-        self.last_substep = snapshot.last_substep;
+        particles.carry_densities(self.plan.parameters.density.is_carried());
+        if !particles.excess.is_empty() {
+            particles.excess[..snapshot.excesses.len()].copy_from_slice(&snapshot.excesses);
+        }
+        self.last_substep = snapshot.substep_for(&self.plan.parameters);
         particles.begin_histories(self.integrator);
         particles.take_histories(snapshot.histories_for(self.integrator));
         self.particles = particles;

@@ -1,5 +1,6 @@
 //! The plan's numbers as the shaders use them, each product of constants formed once in double precision.
 
+use freshet_core::density_form::DensityForm;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::near_pressure;
 use freshet_core::plan::Plan;
@@ -122,6 +123,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         swelling_way: p.swelling_way(),
         elsewhere: 0.5 * p.spacing,
         particle_mass: p.particle_mass,
+        least_excess: DensityForm::LEAST_EXCESS,
         sample_drag: 2.0 * p.dynamic_viscosity * p.spacing,
         ..Default::default()
     }

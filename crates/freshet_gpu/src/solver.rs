@@ -334,6 +334,7 @@ impl GpuSolver {
         let control = StepControl { next_id: particles.len() as u32, ..Default::default() };
         self.upload_state(&particles, control);
         self.buffers.write(&self.queue, Binding::Solves, &self.plan.pressures);
+        self.upload_kept(particles.len(), &[], &self.plan.excesses);
     }
 
     /// Writes particles and control; `control` need not hold the number of particles.

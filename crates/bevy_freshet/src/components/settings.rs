@@ -1,6 +1,7 @@
 //! How a fluid is simulated: the model's settings, as Bevy can reflect them.
 
 use bevy::prelude::*;
+use freshet_core::density_form::DensityForm;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
@@ -22,6 +23,8 @@ pub struct FluidSettings {
     pub pressure_solver: FluidPressureSolver,
     /// Pressure as a function of density; none takes Tait's with the sound speed.
     pub equation_of_state: Option<FluidEquationOfState>,
+    /// How densities are found; an incompressible fluid takes the default only.
+    pub density: FluidDensityForm,
     /// How pressures become forces; an incompressible fluid takes the default only.
     pub pressure_force: FluidPressureForce,
     /// Whether negative pressures are set to zero, so that fluid does not pull at itself.
@@ -74,6 +77,7 @@ impl FluidSettings {
             support_ratio,
             pressure_solver: settings.pressure_solver.into(),
             equation_of_state: settings.equation_of_state.map(Into::into),
+            density: settings.density.into(),
             pressure_force: settings.pressure_force.into(),
             clamp_negative_pressure: settings.clamp_negative_pressure,
             sound_speed: settings.sound_speed,
@@ -101,6 +105,7 @@ impl FluidSettings {
             support: Support::Ratio(self.support_ratio),
             pressure_solver: self.pressure_solver.into(),
             equation_of_state: self.equation_of_state.map(Into::into),
+            density: self.density.into(),
             pressure_force: self.pressure_force.into(),
             clamp_negative_pressure: self.clamp_negative_pressure,
             sound_speed: self.sound_speed,
@@ -234,6 +239,43 @@ impl From<Integrator> for FluidIntegrator {
             Integrator::Beeman => Self::Beeman,
             Integrator::VelocityCorrectedBeeman => Self::VelocityCorrectedBeeman,
             Integrator::PositionCorrectedBeeman => Self::PositionCorrectedBeeman,
+        }
+    }
+}
+
+/// How densities are found; formulas stand at [`density_form`](freshet_core::density_form).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidDensityForm {
+    /// As sums over neighbours.
+    #[default]
+    Summation,
+    /// From the number density: the same, as all particles have one mass.
+    Adapted,
+    /// Carried by particles and changed by the flow; see [`DensityForm::Continuity`] for what it goes with.
+    Continuity,
+    /// From a number density that is carried: the same as [`Continuity`](Self::Continuity).
+    AdaptedContinuity,
+}
+
+impl From<FluidDensityForm> for DensityForm {
+    fn from(form: FluidDensityForm) -> Self {
+        match form {
+            FluidDensityForm::Summation => Self::Summation,
+            FluidDensityForm::Adapted => Self::Adapted,
+            FluidDensityForm::Continuity => Self::Continuity,
+            FluidDensityForm::AdaptedContinuity => Self::AdaptedContinuity,
+        }
+    }
+}
+
+impl From<DensityForm> for FluidDensityForm {
+    fn from(form: DensityForm) -> Self {
+        match form {
+            DensityForm::Summation => Self::Summation,
+            DensityForm::Adapted => Self::Adapted,
+            DensityForm::Continuity => Self::Continuity,
+            DensityForm::AdaptedContinuity => Self::AdaptedContinuity,
         }
     }
 }

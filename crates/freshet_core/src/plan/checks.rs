@@ -38,6 +38,16 @@ pub(super) fn check_quasi_fluid(scene: &FluidScene) -> Result<(), InvalidInput> 
     Err(InvalidInput::new(format_args!("bodies[{index}].sampling"), "QuasiFluid", allowed))
 }
 
+/// Refuses densities that are carried beside bodies: one that comes out of the fluid, or swells in it, is there without a velocity that a rate could be of.
+pub(super) fn check_carried_density(scene: &FluidScene) -> Result<(), InvalidInput> {
+    let density = scene.settings.density;
+    if density.is_carried() && !scene.bodies.is_empty() {
+        let allowed = format!("a summed one, as the scene has {} bodies", scene.bodies.len());
+        return Err(InvalidInput::new("settings.density", density.name(), allowed));
+    }
+    Ok(())
+}
+
 /// Refuses an integrator under which what friction holds does not come to rest: it may take all of a velocity in a substep.
 pub(super) fn check_friction(scene: &FluidScene) -> Result<(), InvalidInput> {
     let integrator = scene.settings.integrator;

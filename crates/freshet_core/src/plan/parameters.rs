@@ -2,6 +2,7 @@
 
 use glam::{Mat3, Vec3};
 
+use crate::density_form::DensityForm;
 use crate::equation_of_state::PressureLaw;
 use crate::error::InvalidInput;
 use crate::integrator::Integrator;
@@ -41,6 +42,8 @@ pub struct Parameters {
     pub least_diagonal: f32,
     /// Frequency of particles under pressure, see [`pressure_frequency`](crate::pressure_solver::pressure_frequency); no unit.
     pub pressure_frequency: f32,
+    /// How densities are found.
+    pub density: DensityForm,
     /// Pressure as a function of density, if it is one.
     pub pressure_law: PressureLaw,
     /// How pressures become forces.

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::sampling::PlannedBody;
+use crate::density_form::DensityForm;
 use crate::pressure_force::PressureForce;
 use crate::pressure_solver::PressureSolver;
 use crate::scene::FluidScene;
@@ -102,9 +103,16 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         (false, false) => "fluid and bodies",
         (true, false) => "fluid, walls and bodies",
     };
-    let density = match incompressible {
-        None => "pressure follows from density (weakly compressible)",
-        Some(_) => "densities, and what each pressure changes of them",
+    let density = match (incompressible, scene.settings.density) {
+        (None, DensityForm::Summation) => "pressure follows from density (weakly compressible)",
+        (None, DensityForm::Adapted) => {
+            "pressure follows from number density, which is density with particles of one mass"
+        }
+        (None, DensityForm::Continuity) => "pressure follows from density, which particles carry and the flow changes",
+        (None, DensityForm::AdaptedContinuity) => {
+            "pressure follows from number density, which particles carry and the flow changes"
+        }
+        (Some(_), _) => "densities, and what each pressure changes of them",
     };
     add(StageKind::Density, &format!("{density}; {others}"));
     if bodies.iter().any(|body| !body.own_densities.is_empty()) {

@@ -9,6 +9,7 @@ pub mod body_motion;
 pub mod body_sort;
 pub mod body_touch;
 pub mod commands;
+pub mod continuity;
 pub mod density;
 pub mod friction;
 pub mod integrate;

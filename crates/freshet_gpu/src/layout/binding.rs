@@ -82,7 +82,7 @@ pub enum Binding {
     Widths,
     /// [`ContactRecord`](records::ContactRecord), of plans in which fluid sticks to bodies.
     Contacts,
-    /// What the integrator keeps of particles, one after the other: in the order of the state, then in that of the last sort.
+    /// What the integrator keeps of particles and the density that they carry, one after the other: in the order of the state, then in that of the last sort.
     Histories,
 }
 
@@ -338,6 +338,8 @@ fn sample_arm(k: u32) -> SampleArm {
 }
 fn history(i: u32, word: u32) -> f32 { return histories[history_place(0u, i, word)]; }
 fn sorted_history(i: u32, word: u32) -> f32 { return histories[history_place(1u, i, word)]; }
+fn excess(i: u32) -> f32 { return history(i, #{PAST_WORDS}u); }
+fn excess_before(i: u32) -> f32 { return sorted_history(i, #{PAST_WORDS}u); }
 "
             }
             Binding::Contacts => {
@@ -525,6 +527,7 @@ fn add_body_impulse(i: u32, slot: u32, linear: vec3<f32>, angular: vec3<f32>) {
             }
             Binding::Histories => {
                 "fn set_history(i: u32, word: u32, value: f32) { histories[history_place(0u, i, word)] = value; }
+fn set_excess(i: u32, value: f32) { set_history(i, #{PAST_WORDS}u, value); }
 fn set_sorted_history(i: u32, word: u32, value: f32) { histories[history_place(1u, i, word)] = value; }
 "
             }

@@ -159,6 +159,14 @@ wgsl_struct! {
         particle_mass: f32,
         /// 2 mu d: what a sample of a body is dragged by, N s/m.
         sample_drag: f32,
+        /// Least `rho/rho0 - 1` that particles carry.
+        least_excess: f32,
+        /// Uniforms are multiples of 16 bytes.
+        pad_a: u32,
+        /// See above.
+        pad_b: u32,
+        /// See above.
+        pad_c: u32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.

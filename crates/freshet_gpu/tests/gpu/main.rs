@@ -5,6 +5,7 @@
 mod bodies;
 mod commands;
 mod common;
+mod continuity;
 mod determinism;
 mod drawing;
 mod forces;

@@ -7,6 +7,7 @@ pub mod commands;
 pub mod couette;
 pub mod crates;
 pub mod deep_column;
+pub mod density_drift;
 pub mod draft;
 pub mod free_flight;
 pub mod gate;
