@@ -42,7 +42,8 @@ fn rate_of(a: u32, half: f32) -> f32 {
             let b = grid::member(around, t);
             let x = grid::difference(position, fields::sorted_position(b));
             let r_squared = dot(x, x);
-            fluid += parting(x, velocity - fields::velocity_before(b), half, inverse_radius);
+            let parts = parting(x, velocity - fields::velocity_before(b), half, inverse_radius);
+            fluid += select(0.0, parts, r_squared < squared_radius);
             // Not the particle itself, nor one at the same place: they exert no force.
             found |= select(0u, bit, r_squared < squared_radius && r_squared > 0.0);
             bit <<= 1u;
@@ -54,7 +55,8 @@ fn rate_of(a: u32, half: f32) -> f32 {
             for (var t = 0u; t < walls.count; t++) {
                 let wall = fields::sample(grid::member(walls, t));
                 let x = grid::difference(position, wall.position);
-                samples += wall.weight * parting(x, velocity, half, inverse_radius);
+                let parts = wall.weight * parting(x, velocity, half, inverse_radius);
+                samples += select(0.0, parts, dot(x, x) < squared_radius);
             }
         }
 #endif

@@ -78,6 +78,8 @@ pub mod passes {
         CONTINUITY = "continuity.wgsl",
         /// Density and pressure.
         DENSITY = "density.wgsl",
+        /// Moves particles apart.
+        POSITION_SOLVE = "position_solve.wgsl",
         /// Acceleration.
         ACCELERATION = "acceleration.wgsl",
         /// Fluid that sticks to bodies.

@@ -10,7 +10,7 @@
 //! density-drift` measures how far they go from sums.
 //!
 //! In a substep of `dt` seconds particles go straight, by `v dt` with the velocity after it. The rate is that in the middle of this way:
-//! `e_a' = e_a + dt/(G rho0) [...]` with `grad W` at `x_ab - v_ab dt/2`, `e = rho/rho0 - 1`, found at the start of the next substep. With that the error of a step is of third order: taken at the end
+//! `e_a' = e_a + dt/(G rho0) [...]` with `grad W` at `x_ab - v_ab dt/2`, `e = rho/rho0 - 1`, found at the start of the next substep with the neighbours of then. With that the error of a step is of third order: taken at the end
 //! of the way, a fluid that turns thins out by `dt |grad v|^2` a second. What is kept is `e`, not `rho`, in which a rate below
 //! `6e-8 / dt` would be rounded away, and new particles have zero.
 //!

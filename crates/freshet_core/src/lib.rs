@@ -20,6 +20,7 @@ pub mod near_pressure;
 mod overlap;
 pub mod periodic;
 pub mod plan;
+pub mod position_based;
 pub mod pressure_force;
 pub mod pressure_solver;
 pub mod relaxation;
@@ -50,6 +51,7 @@ pub mod prelude {
     pub use crate::material::Material;
     pub use crate::periodic::Periodic;
     pub use crate::plan::{Plan, SceneError, StageKind};
+    pub use crate::position_based::PositionBased;
     pub use crate::pressure_force::PressureForce;
     pub use crate::pressure_solver::{DivergenceFree, PressureSolver};
     pub use crate::relaxation::Relaxation;

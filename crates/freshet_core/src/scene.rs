@@ -371,8 +371,19 @@ pub const MAX_OBJECTS: usize = 10_000;
 impl Settings {
     /// Refuses what needs pressures that follow from densities where they do not.
     fn check_pressure_solver(&self) -> Result<(), InvalidInput> {
-        let PressureSolver::DivergenceFree(solver) = &self.pressure_solver else { return Ok(()) };
-        solver.validate().map_err(|error| error.inside("pressure_solver"))?;
+        match &self.pressure_solver {
+            PressureSolver::WeaklyCompressible => return Ok(()),
+            PressureSolver::DivergenceFree(solver) => solver.validate(),
+            PressureSolver::PositionBased(solver) => solver.validate(),
+        }
+        .map_err(|error| error.inside("pressure_solver"))?;
+        if self.redo_substeps && matches!(self.pressure_solver, PressureSolver::PositionBased(_)) {
+            return Err(InvalidInput::new(
+                "redo_substeps",
+                true,
+                "false, with the position-based settings.pressure_solver",
+            ));
+        }
         let allowed = "with the weakly compressible settings.pressure_solver only";
         if let Some(equation) = &self.equation_of_state {
             return Err(InvalidInput::new("equation_of_state", equation.name(), allowed));

@@ -134,7 +134,7 @@ impl Snapshot {
     /// Length of the last substep, s, for a plan: zero if what it is for is not here.
     pub fn substep_for(&self, parameters: &Parameters) -> f32 {
         let is_known = match parameters.pressure_solver {
-            PressureSolver::DivergenceFree(_) => true,
+            PressureSolver::DivergenceFree(_) | PressureSolver::PositionBased(_) => true,
             PressureSolver::WeaklyCompressible => parameters.density.is_carried() && !self.excesses.is_empty(),
         };
         if is_known { self.last_substep } else { 0.0 }

@@ -32,6 +32,8 @@ fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
         // Position read, density and pressure term or diagonal written.
         // Carried, besides: velocity read, excess read and written.
         StageKind::Density => 12 + 8 + width + if plan.parameters.density.is_carried() { 12 + 8 } else { 0 },
+        // Of one iteration: position read, density and diagonal written; position and push read, position written; and the sum of pushes.
+        StageKind::PositionSolve => 12 + 8 + 16 + 12 + 8,
         // Position read, width written.
         StageKind::Support => 12 + 4,
         // Position and pressure term read, with viscosity also velocity and density; acceleration written.

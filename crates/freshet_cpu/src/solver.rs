@@ -1,6 +1,7 @@
 //! The solver: owns the state and runs the plan's stages.
 
 mod answers;
+mod positions;
 mod redo;
 mod solves;
 mod stages;
@@ -22,6 +23,7 @@ use freshet_core::step::{PassTime, StepInput, StepReport};
 use glam::Vec3;
 
 use self::answers::Load;
+use self::positions::PositionSolve;
 use self::redo::Before;
 use self::solves::{PressureSolve, Solved};
 use crate::candidates::Candidates;
@@ -113,6 +115,8 @@ pub struct CpuSolver {
     width: Vec<f32>,
     /// Of plans whose pressures are solved for.
     solve: PressureSolve,
+    /// Of plans that move particles apart.
+    positions: PositionSolve,
     /// Length of the last substep, s; zero if there was none.
     last_substep: f32,
     /// Whose past the particles have.
@@ -229,6 +233,7 @@ impl CpuSolver {
             drift: Default::default(),
             width: Vec::new(),
             solve: PressureSolve::default(),
+            positions: PositionSolve::default(),
             last_substep: 0.0,
             integrator: Integrator::default(),
             walls: SortedSamples::default(),
@@ -300,6 +305,7 @@ impl CpuSolver {
         self.drift = Default::default();
         self.width = Vec::new();
         self.solve = PressureSolve::default();
+        self.positions = PositionSolve::default();
         self.before = Before::default();
         let solves = self.plan.has(StageKind::DivergenceSolve);
         if solves != self.particles.keeps_pressures() {
@@ -352,6 +358,9 @@ impl CpuSolver {
         ];
         if self.solve.bytes() > 0 {
             self.schedule.buffers.push(schedule::buffer("pressure_solve", self.solve.bytes(), true));
+        }
+        if self.positions.bytes() > 0 {
+            self.schedule.buffers.push(schedule::buffer("position_solve", self.positions.bytes(), true));
         }
         if self.plan.has(StageKind::Xsph) {
             self.schedule.buffers.push(schedule::buffer("drift", real(&self.drift), true));
@@ -523,6 +532,9 @@ impl CpuSolver {
             tally.timed("support", || self.support_stage());
         }
         let compression = tally.timed("density", || self.density_stage());
+        if let PressureSolver::PositionBased(solver) = self.plan.parameters.pressure_solver {
+            tally.timed("position_solve", || self.position_solve_stage(&solver));
+        }
         if self.plan.has(StageKind::BodyDensity) {
             tally.timed("body_density", || self.body_density_stage());
         }
@@ -533,7 +545,7 @@ impl CpuSolver {
         self.loads.clear();
         if self.plan.has(StageKind::BodyLoad) {
             tally.timed("body_load", || match self.plan.parameters.pressure_solver {
-                PressureSolver::WeaklyCompressible => self.body_load_stage(),
+                PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => self.body_load_stage(),
                 PressureSolver::DivergenceFree(_) => self.body_touch_stage(),
             });
             self.add_drags();
@@ -575,7 +587,8 @@ impl CpuSolver {
             self.last_substep = dt;
         } else {
             self.final_velocities(dt, tally);
-            if self.plan.parameters.density.is_carried() {
+            let parameters = &self.plan.parameters;
+            if parameters.density.is_carried() || self.plan.has(StageKind::PositionSolve) {
                 self.last_substep = dt;
             }
         }

@@ -86,8 +86,10 @@ fn expected(plan: &Plan, state: &Snapshot) -> Vec<[f64; 2]> {
     let of = |a: usize| {
         let (x, v) = (state.positions[a].as_dvec3(), state.velocities[a].as_dvec3());
         let term = |weight: f64, other: DVec3, moving: DVec3| {
-            let between = image(x - other) - 0.5 * dt * moving;
-            weight * kernel.derivative_over_r(between.length()) * between.dot(moving)
+            let apart = image(x - other);
+            let is_near = if apart.length() < f64::from(p.support_radius) { 1.0 } else { 0.0 };
+            let between = apart - 0.5 * dt * moving;
+            is_near * weight * kernel.derivative_over_r(between.length()) * between.dot(moving)
         };
         let fluid = (0..state.ids.len()).filter(|&b| b != a).map(|b| {
             let moving = v - state.velocities[b].as_dvec3();

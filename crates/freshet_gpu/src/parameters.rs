@@ -44,7 +44,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
     // Of other plans nobody reads it.
     let solver = match p.pressure_solver {
         PressureSolver::DivergenceFree(solver) => solver,
-        PressureSolver::WeaklyCompressible => DivergenceFree::default(),
+        PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => DivergenceFree::default(),
     };
     Parameters {
         cell_mask: grid.dimensions() - UVec3::ONE,
@@ -104,6 +104,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         stiffness_scale: (diagonal_scale * mass * f64::from(p.relaxation / DivergenceFree::RELAXATION)) as f32,
         least_diagonal: p.least_diagonal,
         relaxation: p.relaxation,
+        softness: p.softness,
         longest_way: p.longest_way(),
         pressure_limit: 2.0 * DivergenceFree::PRESSURE_FACTOR * p.spacing / p.pressure_frequency.max(1e-12),
         shortest_substep: DivergenceFree::SHORTEST,

@@ -95,6 +95,7 @@ impl Pass {
     pub fn entry(&self) -> &'static str {
         match (self.iterates, self.stage) {
             (true, Some(StageKind::DivergenceSolve)) => "divergence_iterations",
+            (true, Some(StageKind::PositionSolve)) => "position_iterations",
             (true, _) => "density_iterations",
             (false, _) => self.name,
         }
@@ -111,6 +112,14 @@ pub(crate) fn scheduled(passes: &[&Pass]) -> Option<ScheduledPass> {
 /// Whether pressures are solved for.
 pub(crate) fn incompressible(plan: &Plan) -> bool {
     matches!(plan.parameters.pressure_solver, PressureSolver::DivergenceFree(_))
+}
+
+/// How often particles are moved apart in a substep.
+pub(crate) fn position_iterations(plan: &Plan) -> u32 {
+    match plan.parameters.pressure_solver {
+        PressureSolver::PositionBased(solver) => solver.iterations,
+        PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => 0,
+    }
 }
 
 /// Whether there are bodies that answer to the solves of an incompressible fluid.
@@ -334,6 +343,29 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(plan.has(StageKind::Support), uses, &[(B::Widths, Read)]);
             vec![with_words(3, pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses))]
         }
+        StageKind::PositionSolve => {
+            let pass = |name, uses: &[(Binding, Access)]| {
+                pass(name, passes::POSITION_SOLVE, Arguments::Particles, &with(true, vec![(B::Control, Write)], uses))
+            };
+            let begin = [(B::SortedPositions, Read), (B::Accelerations, Read), (B::Motions, Write), (B::Places, Write)];
+            let uses = with(samples, vec![(B::SortedPositions, Read), (B::CellStarts, Read)], &[(B::Samples, Read)]);
+            let uses = with(true, uses, &[(B::Hits, Read), (B::Motions, Read), (B::Places, Write)]);
+            let finish = [
+                (B::SortedPositions, Read),
+                (B::Accelerations, Read),
+                (B::Places, Read),
+                (B::SortedVelocities, Write),
+                (B::Densities, Write),
+            ];
+            let iteration = [
+                pass("multiply", &uses),
+                pass("displace", &uses),
+                pass("follow", &[(B::Places, Read), (B::Motions, Write)]),
+            ];
+            let iteration = iteration.into_iter().map(|pass| Pass { iterates: true, ..pass });
+            let begin = [pass("position_begin", &begin)];
+            begin.into_iter().chain(iteration).chain([pass("position_finish", &finish)]).collect()
+        }
         StageKind::BodyDensity => vec![pass(
             "body_density",
             passes::BODY_SORT,
@@ -470,7 +502,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 (B::Particles, Write),
             ];
             let uses = with(plan.has(StageKind::Xsph), moved.to_vec(), &[(B::Drifts, Read)]);
-            let uses = with(solves, uses, &[(B::Motions, Read)]);
+            let uses = with(solves || plan.has(StageKind::PositionSolve), uses, &[(B::Motions, Read)]);
             let uses = with(past > 0, uses, &[(B::Histories, Write)]);
             vec![with_words(2 * past, pass("integrate", passes::INTEGRATE, Arguments::Motion, &uses))]
         }

@@ -82,7 +82,9 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("PERIODIC", plan.grid.periodic.any()),
         ("HISTORIES", history_words(plan) > 0),
         ("PASTS", past_words(plan) > 0),
-        ("CARRIED", parameters.density.is_carried()),
+        ("POSITION_BASED", plan.has(StageKind::PositionSolve)),
+        ("LAST_SUBSTEP", parameters.density.is_carried() || plan.has(StageKind::PositionSolve)),
+        ("SPEEDS_OF_STATE", !incompressible(plan) && !plan.has(StageKind::PositionSolve)),
         ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),
     ] {
         if condition {

@@ -2,6 +2,7 @@
 
 use clap::ValueEnum;
 use freshet_core::density_form::DensityForm;
+use freshet_core::position_based::PositionBased;
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::scene::FluidScene;
@@ -17,6 +18,8 @@ pub enum Method {
     Mueller,
     /// The same as the default with densities that particles carry.
     Continuity,
+    /// Particles moved apart, with the default number of iterations.
+    PositionBased,
     /// DFSPH with its default tolerances.
     DivergenceFree,
     /// DFSPH without any viscosity but water's own, `mu` = 1e-3 Pa s.
@@ -33,6 +36,7 @@ impl Method {
             Self::WeaklyCompressible => "WCSPH",
             Self::Mueller => "WCSPH, Mueller's force",
             Self::Continuity => "WCSPH, continuity",
+            Self::PositionBased => "position-based",
             Self::DivergenceFree => "DFSPH",
             Self::WaterAlone => "DFSPH, water's viscosity alone",
         }
@@ -44,6 +48,7 @@ impl Method {
             Self::WeaklyCompressible => "",
             Self::Mueller => "_mueller",
             Self::Continuity => "_continuity",
+            Self::PositionBased => "_position_based",
             Self::DivergenceFree => "_dfsph",
             Self::WaterAlone => "_water",
         }
@@ -65,6 +70,7 @@ impl Method {
     pub fn on(self, mut scene: FluidScene) -> FluidScene {
         scene.settings.pressure_solver = match self {
             Self::WeaklyCompressible | Self::Mueller | Self::Continuity => PressureSolver::WeaklyCompressible,
+            Self::PositionBased => PressureSolver::PositionBased(PositionBased::default()),
             Self::DivergenceFree | Self::WaterAlone => PressureSolver::DivergenceFree(DivergenceFree::default()),
         };
         if self == Self::Mueller {

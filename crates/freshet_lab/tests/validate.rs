@@ -111,6 +111,12 @@ fn water_whose_particles_carry_their_densities_stands_and_breaks_as_it_should() 
 }
 
 #[test]
+fn position_based_water_has_the_pressure_of_its_weight_and_sinks_in() -> Result<(), LabError> {
+    assert_passes("position-based", Backend::Cpu)?;
+    assert_passes("position-based", Backend::Gpu)
+}
+
+#[test]
 fn water_without_artificial_viscosity_comes_to_rest() -> Result<(), LabError> {
     assert_passes("calm-dfsph", Backend::Cpu)?;
     assert_passes("calm-dfsph", Backend::Gpu)

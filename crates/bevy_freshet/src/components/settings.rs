@@ -5,6 +5,7 @@ use freshet_core::density_form::DensityForm;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
+use freshet_core::position_based::PositionBased;
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::relaxation::Relaxation;
@@ -326,6 +327,13 @@ pub enum FluidPressureSolver {
         /// Most iterations of a solve, 2 to 10,000.
         max_iterations: u32,
     },
+    /// None: particles are moved apart a fixed number of times in each of few substeps. Without bodies.
+    PositionBased {
+        /// Iterations of a substep, 1 to 1000: the more, the less the fluid gives in.
+        iterations: u32,
+        /// See [`PositionBased::softness`], 0 to 10.
+        softness: f32,
+    },
 }
 
 impl FluidPressureSolver {
@@ -342,6 +350,9 @@ impl From<FluidPressureSolver> for PressureSolver {
             FluidPressureSolver::DivergenceFree { compression, divergence, max_iterations } => {
                 Self::DivergenceFree(DivergenceFree { compression, divergence, max_iterations })
             }
+            FluidPressureSolver::PositionBased { iterations, softness } => {
+                Self::PositionBased(PositionBased { iterations, softness })
+            }
         }
     }
 }
@@ -352,6 +363,9 @@ impl From<PressureSolver> for FluidPressureSolver {
             PressureSolver::WeaklyCompressible => Self::WeaklyCompressible,
             PressureSolver::DivergenceFree(DivergenceFree { compression, divergence, max_iterations }) => {
                 Self::DivergenceFree { compression, divergence, max_iterations }
+            }
+            PressureSolver::PositionBased(PositionBased { iterations, softness }) => {
+                Self::PositionBased { iterations, softness }
             }
         }
     }

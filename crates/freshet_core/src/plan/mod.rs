@@ -23,7 +23,7 @@ pub use self::stages::{Stage, StageKind};
 
 use self::checks::{
     check_bounds, check_carried_density, check_driven, check_friction, check_particles_within, check_periods,
-    check_precision, check_quasi_fluid, check_relaxation, max_particles,
+    check_position_based, check_precision, check_quasi_fluid, check_relaxation, max_particles,
 };
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
@@ -36,6 +36,7 @@ use crate::equation_of_state::PressureLaw;
 use crate::error::{InvalidInput, check_range};
 use crate::field::Field;
 use crate::grid::Grid;
+use crate::position_based::PositionBased;
 use crate::pressure_solver::{
     DivergenceFree, PressureSolver, largest_eigenvalue, lattice_diagonal, pressure_frequency,
 };
@@ -112,6 +113,7 @@ impl Plan {
         check_driven(scene)?;
         check_quasi_fluid(scene)?;
         check_carried_density(scene)?;
+        check_position_based(scene)?;
         check_relaxation(scene)?;
         check_friction(scene)?;
 
@@ -166,6 +168,7 @@ impl Plan {
 
         let incompressible = matches!(settings.pressure_solver, PressureSolver::DivergenceFree(_));
         let mut pressures = vec![0.0; if incompressible { positions.len() } else { 0 }];
+        let by_positions = matches!(settings.pressure_solver, PressureSolver::PositionBased(_));
         let carried = settings.density.is_carried();
         let mut excesses = vec![0.0; if carried { positions.len() } else { 0 }];
         for (volume, &(first, count)) in scene.volumes.iter().zip(&volume_ids) {
@@ -174,7 +177,7 @@ impl Plan {
                 let down = periodic.across(scene.gravity);
                 if incompressible {
                     bear(&mut pressures[range.clone()], &positions[range], down, rest_density, spacing);
-                } else {
+                } else if !by_positions {
                     if carried {
                         press(&mut excesses[range.clone()], &positions[range.clone()], down, sound_speed, spacing);
                     }
@@ -183,7 +186,7 @@ impl Plan {
             }
         }
         // Lattice sums that no other plan needs.
-        let (eigenvalue, pressure_frequency, diagonal) = match incompressible {
+        let (eigenvalue, pressure_frequency, diagonal) = match incompressible || by_positions {
             true => (
                 largest_eigenvalue(&kernel, spacing) as f32,
                 pressure_frequency(&kernel, spacing) as f32,
@@ -212,8 +215,15 @@ impl Plan {
             boundary_gamma: layer.gamma,
             boundary_depth: layer.depth,
             pressure_solver: settings.pressure_solver,
-            relaxation: DivergenceFree::RELAXATION / eigenvalue,
+            relaxation: match by_positions {
+                true => PositionBased::RELAXATION / eigenvalue,
+                false => DivergenceFree::RELAXATION / eigenvalue,
+            },
             least_diagonal: DivergenceFree::LEAST_DIAGONAL * diagonal as f32,
+            softness: match settings.pressure_solver {
+                PressureSolver::PositionBased(solver) => solver.softness * diagonal as f32,
+                PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => 0.0,
+            },
             pressure_frequency,
             density: settings.density,
             pressure_law: PressureLaw { equation, clamp_negative: settings.clamp_negative_pressure },

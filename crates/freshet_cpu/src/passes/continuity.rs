@@ -136,7 +136,7 @@ fn add_fluid<S: Simd, K: SimdKernel>(
         let [ox, oy, oz, ou, ov, ow] = all.lanes::<S>(first);
         let motions = u.iter().zip(v).zip(w);
         for ((((sum, &x), &y), &z), ((&u, &v), &w)) in sums.iter_mut().zip(x).zip(y).zip(z).zip(motions) {
-            let (apart, _) = difference(simd, [x, y, z], [ox, oy, oz]);
+            let apart = difference(simd, [x, y, z], [ox, oy, oz]);
             let (motion, _) = difference(simd, [u, v, w], [ou, ov, ow]);
             *sum = simd.mul_add_f32s(pairs.fluid_factor, pairs.parting::<K>(simd, apart, motion), *sum);
         }
@@ -160,7 +160,7 @@ fn add_samples<S: Simd, K: SimdKernel>(
         let weight = simd.mul_f32s(pairs.sample_factor, volume);
         let motions = u.iter().zip(v).zip(w);
         for ((((sum, &x), &y), &z), ((&u, &v), &w)) in sums.iter_mut().zip(x).zip(y).zip(z).zip(motions) {
-            let (apart, _) = difference(simd, [x, y, z], [ox, oy, oz]);
+            let apart = difference(simd, [x, y, z], [ox, oy, oz]);
             let motion = [simd.splat_f32s(u), simd.splat_f32s(v), simd.splat_f32s(w)];
             *sum = simd.mul_add_f32s(weight, pairs.parting::<K>(simd, apart, motion), *sum);
         }
@@ -173,6 +173,7 @@ fn add_samples<S: Simd, K: SimdKernel>(
 struct Pairs<S: Simd> {
     /// Distances over the support radius.
     in_radii: ScaledRoot<S>,
+    squared_radius: S::f32s,
     fluid_factor: S::f32s,
     sample_factor: S::f32s,
     /// Minus half of the time that has passed.
@@ -184,22 +185,30 @@ impl<S: Simd> Pairs<S> {
     fn new(simd: S, inputs: &Inputs) -> Self {
         Self {
             in_radii: ScaledRoot::new(simd, 1.0 / inputs.grid.support_radius),
+            squared_radius: simd.splat_f32s(inputs.grid.support_radius * inputs.grid.support_radius),
             fluid_factor: simd.splat_f32s(inputs.fluid_factor),
             sample_factor: simd.splat_f32s(inputs.sample_factor),
             back: simd.splat_f32s(-0.5 * inputs.elapsed),
         }
     }
 
-    /// `f'(q)/q x . v` half a substep ago, of a difference of places and one of velocities.
+    /// `f'(q)/q x . v` half a substep ago, of a difference of places and one of velocities; zero for who is no neighbour now.
     #[inline(always)]
-    fn parting<K: SimdKernel>(self, simd: S, apart: [S::f32s; 3], motion: [S::f32s; 3]) -> S::f32s {
+    fn parting<K: SimdKernel>(
+        self,
+        simd: S,
+        (apart, squared): ([S::f32s; 3], S::f32s),
+        motion: [S::f32s; 3],
+    ) -> S::f32s {
         let x = simd.mul_add_f32s(self.back, motion[0], apart[0]);
         let y = simd.mul_add_f32s(self.back, motion[1], apart[1]);
         let z = simd.mul_add_f32s(self.back, motion[2], apart[2]);
         let parting = simd.mul_f32s(x, motion[0]);
         let parting = simd.mul_add_f32s(y, motion[1], parting);
         let parting = simd.mul_add_f32s(z, motion[2], parting);
-        let q = self.in_radii.of(simd, squared_length(simd, [x, y, z]));
-        simd.mul_f32s(K::slope_over_q(simd, simd.min_f32s(q, simd.splat_f32s(1.0))), parting)
+        let one = simd.splat_f32s(1.0);
+        let q = simd.min_f32s(self.in_radii.of(simd, squared_length(simd, [x, y, z])), one);
+        let q = simd.select_f32s(simd.less_than_f32s(squared, self.squared_radius), q, one);
+        simd.mul_f32s(K::slope_over_q(simd, q), parting)
     }
 }

@@ -14,6 +14,7 @@ pub mod density;
 pub mod friction;
 pub mod integrate;
 pub mod morris1997;
+pub mod position_solve;
 pub mod projection;
 pub mod sort;
 pub mod step_control;

@@ -34,6 +34,9 @@ impl CpuSolver {
         if solves {
             self.solve.resize(padded);
         }
+        if self.plan.has(StageKind::PositionSolve) {
+            self.positions.resize(padded);
+        }
         if self.plan.has(StageKind::Xsph) {
             self.drift.iter_mut().for_each(|values| values.resize(padded, 0.0));
         }
@@ -111,7 +114,7 @@ impl CpuSolver {
         let parameters = &self.plan.parameters;
         let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
         let (second, seconds) = match parameters.pressure_solver {
-            PressureSolver::WeaklyCompressible => {
+            PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => {
                 (Second::PressureTerm(parameters.pressure_law), &mut self.pressure_term)
             }
             PressureSolver::DivergenceFree(_) => {
@@ -147,9 +150,11 @@ impl CpuSolver {
     /// Accelerations, from the candidates of the density stage.
     pub(super) fn acceleration_stage(&mut self) -> Maxima {
         let mut acceleration = std::mem::take(&mut self.acceleration);
-        let terms = std::mem::take(self.pressure_terms_mut());
+        let by_positions = self.plan.has(StageKind::PositionSolve);
+        // What pressures do to a position-based fluid is done: none are left.
+        let terms = std::mem::take(if by_positions { &mut self.positions.push } else { self.pressure_terms_mut() });
         let maxima = self.accelerate(&terms, &mut acceleration, true);
-        *self.pressure_terms_mut() = terms;
+        *(if by_positions { &mut self.positions.push } else { self.pressure_terms_mut() }) = terms;
         self.acceleration = acceleration;
         maxima
     }
@@ -413,6 +418,13 @@ impl CpuSolver {
 
     /// Moves all particles over `dt` seconds, with velocities that are `lead` seconds ahead.
     pub(super) fn integrate_stage(&mut self, dt: f32, lead: f32) {
+        if self.plan.has(StageKind::PositionSolve) {
+            for (position, way) in self.particles.position.iter_mut().zip(&self.positions.way) {
+                for (x, way) in position[..self.particles.len].iter_mut().zip(way) {
+                    *x += way;
+                }
+            }
+        }
         let (workers, chunks, periodic) = (&self.workers, &self.sorter.chunks, &self.plan.grid.periodic);
         let (particles, acceleration) = (&mut self.particles, &self.acceleration);
         let drift = self.plan.has(StageKind::Xsph).then_some(&self.drift);

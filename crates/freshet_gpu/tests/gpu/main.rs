@@ -13,7 +13,10 @@ mod incompressible;
 mod incompressible_bodies;
 mod integrators;
 mod lowering;
+#[path = "../../../freshet_cpu/tests/common/position_based.rs"]
+mod moved;
 mod pipelined;
+mod position_based;
 mod quasi_fluid;
 mod reconfigure;
 mod reference;

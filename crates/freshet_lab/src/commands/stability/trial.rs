@@ -89,6 +89,8 @@ pub enum SolverOption {
     VariableSupport,
     /// Densities that particles carry ([`density_form`](freshet_core::density_form)).
     Continuity,
+    /// Particles moved apart, with the default number of iterations, tried on the CPU only. Its number is that of [`DivergenceFree`](Self::DivergenceFree), without a limit of pressure.
+    PositionBased,
     /// Divergence-free SPH with its default tolerances, tried on the CPU only. Its number is the way of the fastest particle in a
     /// step over the spacing, `v dt / d`; steps are limited by the pressure, too, as in every plan: in water at rest nothing goes any
     /// way.
@@ -98,7 +100,7 @@ pub enum SolverOption {
 impl SolverOption {
     /// All of them, the plan's default first. [`redo_substeps`](freshet_core::scene::Settings::redo_substeps) is none of them: it
     /// shortens the very step whose length is asked for.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Tait,
         Self::Linear,
         Self::Tension,
@@ -107,6 +109,7 @@ impl SolverOption {
         Self::Xsph,
         Self::VariableSupport,
         Self::Continuity,
+        Self::PositionBased,
         Self::DivergenceFree,
     ];
 
@@ -121,6 +124,7 @@ impl SolverOption {
             Self::Xsph => "XSPH",
             Self::VariableSupport => "variable support",
             Self::Continuity => "continuity",
+            Self::PositionBased => "position-based",
             Self::DivergenceFree => "DFSPH",
         }
     }
@@ -132,7 +136,7 @@ impl SolverOption {
 
     /// Whether a speed of sound plays any part.
     pub fn has_sound(self) -> bool {
-        self != Self::DivergenceFree
+        !matches!(self, Self::DivergenceFree | Self::PositionBased)
     }
 }
 
@@ -206,8 +210,10 @@ impl Configuration {
             SolverOption::VariableSupport => scene.settings.widest_support = 1.5,
             _ => {}
         }
-        if self.option == SolverOption::DivergenceFree {
-            scene = Method::DivergenceFree.on(scene);
+        match self.option {
+            SolverOption::DivergenceFree => scene = Method::DivergenceFree.on(scene),
+            SolverOption::PositionBased => scene = Method::PositionBased.on(scene),
+            _ => {}
         }
         if self.option == SolverOption::Morris {
             let Parameters { artificial_viscosity, smoothing_length, rest_density, .. } = Plan::new(&scene)?.parameters;

@@ -17,6 +17,7 @@ pub mod light_and_heavy;
 pub mod pinned;
 pub mod poiseuille;
 pub mod pool_drop;
+pub mod position_based;
 pub mod relaxing_cube;
 pub mod righting;
 pub mod spin;
