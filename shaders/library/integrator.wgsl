@@ -13,12 +13,12 @@ struct Past {
 
 fn past_of(a: u32) -> Past {
     var past = Past(0.0, vec3<f32>(0.0), 0.0, vec3<f32>(0.0));
-#ifdef HISTORIES
+#ifdef PASTS
     past.step = fields::sorted_history(a, 0u);
-#if HISTORY_WORDS >= 4
+#if PAST_WORDS >= 4
     past.first = vec3<f32>(fields::sorted_history(a, 1u), fields::sorted_history(a, 2u), fields::sorted_history(a, 3u));
 #endif
-#if HISTORY_WORDS >= 8
+#if PAST_WORDS >= 8
     past.step_before = fields::sorted_history(a, 4u);
     past.second = vec3<f32>(fields::sorted_history(a, 5u), fields::sorted_history(a, 6u), fields::sorted_history(a, 7u));
 #endif

@@ -48,6 +48,11 @@ struct Own {
 fn pressure_term(i: u32, density: f32) -> f32 {
     return fields::sorted_pressure(i);
 }
+#else ifdef POSITION_BASED
+// What pressures do is done.
+fn pressure_term(i: u32, density: f32) -> f32 {
+    return 0.0;
+}
 #else
 #ifdef PAIR_VELOCITIES
 // Follows from the density, which comes with the velocity.

@@ -3,17 +3,12 @@
 // Keeps P_a = p_a / rho_a^2 beside rho_a, which is what the pressure force needs; of an incompressible fluid the solves find it.
 
 #import freshet::bindings as fields
+#import freshet::compression
 #import freshet::equation_of_state
 #import freshet::grid
 #import freshet::hits
 #import freshet::kernels
 #import freshet::threads
-
-// Compression is summed in integers, so that its mean has the same bits whatever the order.
-const COMPRESSION_UNIT: f32 = 1048576.0;
-
-var<workgroup> group_ratio: atomic<u32>;
-var<workgroup> group_compression: atomic<u32>;
 
 fn density_of(a: u32) -> f32 {
     let position = fields::sorted_position(a);
@@ -109,18 +104,7 @@ fn density(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
         fields::set_density(a, density, equation_of_state::pressure_term(density));
 #endif
         fields::set_velocity_and_density(a, fields::velocity_before(a), density);
-        let ratio = density * fields::parameters.inverse_rest_density;
-        atomicMax(&group_ratio, threads::ordered_bits(ratio));
-        let compression = clamp(ratio - 1.0, 0.0, 1.0);
-        atomicAdd(&group_compression, u32(compression * COMPRESSION_UNIT));
+        compression::add(density);
     }
-    workgroupBarrier();
-    if (local == 0u) {
-        atomicMax(&fields::control.max_ratio, atomicLoad(&group_ratio));
-        let added = atomicLoad(&group_compression);
-        let before = atomicAdd(&fields::control.compression_low, added);
-        if (before + added < before) {
-            atomicAdd(&fields::control.compression_high, 1u);
-        }
-    }
+    compression::finish(local);
 }

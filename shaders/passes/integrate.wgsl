@@ -1,6 +1,7 @@
 // Semi-implicit Euler: v += a dt, x += v dt; other integrators are in library/integrator.wgsl. Reads the sorted copy, writes
 // the state at the same index, so that whoever draws always reads the same buffers. With XSPH particles also move with what
 // that pass found, x += (v + e) dt; those of an incompressible fluid move by the trapezoidal rule, x += (v + lead a) dt.
+// Those of a position-based one go from where they were moved to.
 
 #import freshet::bindings as fields
 #import freshet::integrator
@@ -18,11 +19,11 @@ fn wrapped(position: vec3<f32>) -> vec3<f32> {
 }
 #endif
 
-#ifdef HISTORIES
+#ifdef PASTS
 // Keeps the substep; `motion` is what the particle moved with.
 fn keep(i: u32, past: integrator::Past, a: vec3<f32>, motion: vec3<f32>, h: f32) {
     fields::set_history(i, 0u, h);
-#if HISTORY_WORDS >= 4
+#if PAST_WORDS >= 4
 #ifdef INTEGRATOR_VERLET
     let first = motion;
 #else
@@ -32,7 +33,7 @@ fn keep(i: u32, past: integrator::Past, a: vec3<f32>, motion: vec3<f32>, h: f32)
     fields::set_history(i, 2u, first.y);
     fields::set_history(i, 3u, first.z);
 #endif
-#if HISTORY_WORDS >= 8
+#if PAST_WORDS >= 8
     fields::set_history(i, 4u, past.step);
     fields::set_history(i, 5u, past.first.x);
     fields::set_history(i, 6u, past.first.y);
@@ -53,7 +54,7 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     let past = integrator::past_of(a);
     let velocity = integrator::velocity_after(past, fields::velocity_and_density(a).xyz, acceleration, dt);
     var motion = integrator::motion_in(past, velocity, acceleration, dt);
-#ifdef HISTORIES
+#ifdef PASTS
     keep(a, past, acceleration, motion, dt);
 #endif
 #else
@@ -66,7 +67,11 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
 #ifdef INCOMPRESSIBLE
     motion += acceleration * fields::control.lead;
 #endif
+#ifdef POSITION_BASED
+    var position = fields::motion(a) + motion * dt;
+#else
     var position = fields::sorted_position(a) + motion * dt;
+#endif
 #ifdef INCOMPRESSIBLE
     // What the density solve found changes positions only.
     if (fields::control.correction > 0.0) {

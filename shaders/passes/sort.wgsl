@@ -85,7 +85,7 @@ fn sort_scatter(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
 #endif
 
 #ifdef SORT_REORDER
-#ifndef INCOMPRESSIBLE
+#ifdef SPEEDS_OF_STATE
 var<workgroup> group_speed: atomic<u32>;
 #endif
 
@@ -119,10 +119,12 @@ fn sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
 #endif
 #ifdef INCOMPRESSIBLE
         fields::set_sorted_pressure(first + rank, fields::solved_pressure(i));
-    }
-#else
+#endif
+#ifdef SPEEDS_OF_STATE
         atomicMax(&group_speed, threads::ordered_bits(length(velocity)));
+#endif
     }
+#ifdef SPEEDS_OF_STATE
     workgroupBarrier();
     if (local == 0u) {
         atomicMax(&fields::control.max_speed, atomicLoad(&group_speed));

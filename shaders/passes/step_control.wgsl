@@ -54,6 +54,11 @@ fn choose_substep(remaining: f32, max_speed: f32, max_acceleration: f32, drag_li
     let pressure = bitcast<f32>(atomicExchange(&fields::control.max_pressure, 0u)) * fields::parameters.rest_density;
     let stiff = fields::parameters.pressure_limit / sqrt(max(pressure, 1e-12));
     let limit = min(min(courant, fall), min(stiff, fields::parameters.viscous_limit));
+#else ifdef POSITION_BASED
+    let way = fields::parameters.longest_way;
+    let courant = way / max(max_speed, 1e-12);
+    let fall = sqrt(way / max(length(fields::control.gravity), 1e-12));
+    let limit = min(min(courant, fall), fields::parameters.viscous_limit);
 #else
     let h = fields::parameters.smoothing_length;
     let courant = fields::parameters.courant_factor * h / (fields::parameters.sound_speed + max_speed);
@@ -142,6 +147,10 @@ fn step_control() {
     let first = fields::control.substeps == 0u;
     fields::control.smallest_substep = select(min(fields::control.smallest_substep, substep), substep, first);
     fields::control.substep = substep;
+#ifdef LAST_SUBSTEP
+    // What follows from the way of particles is found at the start of the next.
+    fields::control.last_substep = substep;
+#endif
     fields::control.substeps += 1u;
     fields::control.remaining -= substep;
     fields::control.count = live;

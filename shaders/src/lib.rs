@@ -38,6 +38,8 @@ pub mod library {
         HITS = "hits.wgsl",
         /// Smoothing kernels.
         KERNELS = "kernels.wgsl",
+        /// How far the fluid is compressed.
+        COMPRESSION = "compression.wgsl",
         /// Pressure from density.
         EQUATION_OF_STATE = "equation_of_state.wgsl",
         /// Motion by other integrators than semi-implicit Euler.
@@ -72,8 +74,12 @@ pub mod passes {
         BODY_SORT = "body_sort.wgsl",
         /// Widths of supports.
         SUPPORT = "support.wgsl",
+        /// Densities that particles carry.
+        CONTINUITY = "continuity.wgsl",
         /// Density and pressure.
         DENSITY = "density.wgsl",
+        /// Moves particles apart.
+        POSITION_SOLVE = "position_solve.wgsl",
         /// Acceleration.
         ACCELERATION = "acceleration.wgsl",
         /// Fluid that sticks to bodies.

@@ -199,7 +199,7 @@ fn a_belt_carries_viscous_fluid_in_its_own_direction() {
 #[test]
 fn a_scene_with_friction_and_belts_is_spawned_as_it_is_and_planned_the_same() {
     use freshet_core::prelude::{
-        Boundary, BoundaryShape, FluidScene, Friction, Integrator, PressureForce, ViscosityModel, Volume,
+        Boundary, BoundaryShape, DensityForm, FluidScene, Friction, Integrator, PressureForce, ViscosityModel, Volume,
     };
     let turned = Quat::from_rotation_y(0.4);
     let plane = Boundary::new(BoundaryShape::Plane { half_extents: [2.0, 2.0] }, Vec3::NEG_Y);
@@ -214,6 +214,7 @@ fn a_scene_with_friction_and_belts_is_spawned_as_it_is_and_planned_the_same() {
     scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
     scene.settings.integrator = Integrator::VelocityVerlet;
     scene.settings.pressure_force = PressureForce::Mueller;
+    scene.settings.density = DensityForm::Adapted;
     let mut test = TestApp::new();
     let domain =
         test.world().commands().spawn_fluid_scene(&scene, |domain| domain.backend = FluidBackend::Cpu).unwrap();
@@ -229,6 +230,7 @@ fn a_scene_with_friction_and_belts_is_spawned_as_it_is_and_planned_the_same() {
     assert_eq!(settings.viscosity_model, Some(FluidViscosityModel::Morris1997));
     assert_eq!(settings.integrator, FluidIntegrator::VelocityVerlet);
     assert_eq!(settings.pressure_force, FluidPressureForce::Mueller);
+    assert_eq!(settings.density, FluidDensityForm::Adapted);
 }
 
 #[test]

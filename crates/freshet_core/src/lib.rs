@@ -4,6 +4,7 @@
 //! reasons; a solver ([`FluidSolver`](solver::FluidSolver), in `freshet_cpu` and `freshet_gpu`) executes the plan tick
 //! by tick. Nothing here knows an engine, a thread, a GPU or a file.
 
+pub mod density_form;
 pub mod emitter;
 pub mod equation_of_state;
 pub mod error;
@@ -19,6 +20,7 @@ pub mod near_pressure;
 mod overlap;
 pub mod periodic;
 pub mod plan;
+pub mod position_based;
 pub mod pressure_force;
 pub mod pressure_solver;
 pub mod relaxation;
@@ -38,6 +40,7 @@ pub mod xsph;
 
 /// What most programs need.
 pub mod prelude {
+    pub use crate::density_form::DensityForm;
     pub use crate::emitter::Emitter;
     pub use crate::equation_of_state::EquationOfState;
     pub use crate::error::InvalidInput;
@@ -48,6 +51,7 @@ pub mod prelude {
     pub use crate::material::Material;
     pub use crate::periodic::Periodic;
     pub use crate::plan::{Plan, SceneError, StageKind};
+    pub use crate::position_based::PositionBased;
     pub use crate::pressure_force::PressureForce;
     pub use crate::pressure_solver::{DivergenceFree, PressureSolver};
     pub use crate::relaxation::Relaxation;

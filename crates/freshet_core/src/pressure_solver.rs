@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidInput, check_range};
 use crate::kernel::Kernel;
+use crate::position_based::PositionBased;
 
 /// How a fluid's pressure is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -17,6 +18,19 @@ pub enum PressureSolver {
     /// As large as it has to be for the fluid not to be compressed: substeps as long as the flow allows, each with some
     /// iterations.
     DivergenceFree(DivergenceFree),
+    /// None: particles are moved apart a fixed number of times, and that is part of their motion. Substeps as long as the flow allows.
+    PositionBased(PositionBased),
+}
+
+impl PressureSolver {
+    /// Name, as in errors and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WeaklyCompressible => "weakly compressible",
+            Self::DivergenceFree(_) => "divergence-free",
+            Self::PositionBased(_) => "position-based",
+        }
+    }
 }
 
 /// Divergence-free SPH (DFSPH, Bender & Koschier 2015) with positions corrected apart from velocities (Hu & Adams 2007).

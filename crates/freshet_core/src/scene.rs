@@ -11,6 +11,7 @@ pub(crate) use self::boundary::side_of;
 pub use self::boundary::{Boundary, BoundaryShape, FluidSide};
 pub use self::friction::Friction;
 
+use crate::density_form::DensityForm;
 use crate::emitter::Emitter;
 use crate::equation_of_state::EquationOfState;
 use crate::error::{InvalidInput, check_finite, check_range};
@@ -273,6 +274,8 @@ pub struct Settings {
     pub pressure_solver: PressureSolver,
     /// Pressure as a function of density, with its own speed of sound; none takes Tait's with [`sound_speed`](Self::sound_speed).
     pub equation_of_state: Option<EquationOfState>,
+    /// How densities are found; of weakly compressible fluids. See [`density_form`](crate::density_form).
+    pub density: DensityForm,
     /// How pressures become forces; of weakly compressible fluids. See [`pressure_force`](crate::pressure_force).
     pub pressure_force: PressureForce,
     /// Whether negative pressures are set to zero (E eq. 9), so that fluid does not pull at itself.
@@ -331,6 +334,7 @@ impl Default for Settings {
             support: Support::Ratio(2.0),
             pressure_solver: PressureSolver::WeaklyCompressible,
             equation_of_state: None,
+            density: DensityForm::default(),
             pressure_force: PressureForce::default(),
             clamp_negative_pressure: true,
             sound_speed: None,
@@ -367,8 +371,19 @@ pub const MAX_OBJECTS: usize = 10_000;
 impl Settings {
     /// Refuses what needs pressures that follow from densities where they do not.
     fn check_pressure_solver(&self) -> Result<(), InvalidInput> {
-        let PressureSolver::DivergenceFree(solver) = &self.pressure_solver else { return Ok(()) };
-        solver.validate().map_err(|error| error.inside("pressure_solver"))?;
+        match &self.pressure_solver {
+            PressureSolver::WeaklyCompressible => return Ok(()),
+            PressureSolver::DivergenceFree(solver) => solver.validate(),
+            PressureSolver::PositionBased(solver) => solver.validate(),
+        }
+        .map_err(|error| error.inside("pressure_solver"))?;
+        if self.redo_substeps && matches!(self.pressure_solver, PressureSolver::PositionBased(_)) {
+            return Err(InvalidInput::new(
+                "redo_substeps",
+                true,
+                "false, with the position-based settings.pressure_solver",
+            ));
+        }
         let allowed = "with the weakly compressible settings.pressure_solver only";
         if let Some(equation) = &self.equation_of_state {
             return Err(InvalidInput::new("equation_of_state", equation.name(), allowed));
@@ -388,7 +403,30 @@ impl Settings {
         if self.pressure_force != PressureForce::default() {
             return Err(InvalidInput::new("pressure_force", self.pressure_force.name(), allowed));
         }
+        if self.density.is_carried() {
+            return Err(InvalidInput::new("density", self.density.name(), allowed));
+        }
         Ok(())
+    }
+
+    /// Refuses a density that is carried with what moves particles, or changes their neighbours, by more than their velocities.
+    fn check_density(&self) -> Result<(), InvalidInput> {
+        let reason = if self.widest_support != 1.0 {
+            "a settings.widest_support above 1: supports that change are no part of the rate".to_owned()
+        } else if self.xsph > 0.0 {
+            "settings.xsph: particles move with more than the velocities that the rate is of".to_owned()
+        } else if self.integrator != Integrator::default() {
+            let name = self.integrator.name();
+            format!("{name} as settings.integrator: rates are those of particles that move with their velocities")
+        } else if self.relaxation.is_some() {
+            "settings.relaxation: particles settle by the sums of densities".to_owned()
+        } else {
+            return Ok(());
+        };
+        match self.density.is_carried() {
+            true => Err(InvalidInput::new("density", self.density.name(), format_args!("a summed one, with {reason}"))),
+            false => Ok(()),
+        }
     }
 
     fn validate(&self) -> Result<(), InvalidInput> {
@@ -423,6 +461,7 @@ impl Settings {
             let allowed = "Monaghan, with a settings.widest_support above 1";
             return Err(InvalidInput::new("pressure_force", self.pressure_force.name(), allowed));
         }
+        self.check_density()?;
         if let Some(relaxation) = &self.relaxation {
             relaxation.validate().map_err(|error| error.inside("relaxation"))?;
         }

@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidInput, check_finite, check_range};
 use crate::integrator::Integrator;
+use crate::plan::Parameters;
+use crate::pressure_solver::PressureSolver;
 use crate::step::{Impulse, StepInput};
 
 /// The state a solver starts from and can return to.
@@ -36,7 +38,10 @@ pub struct Snapshot {
     /// `p / rho^2` of the last substep, m5/(kg s2), from which an incompressible fluid goes on; empty for others, zero if there was no
     /// substep.
     pub pressures: Vec<f32>,
-    /// Length of the last substep, s, likewise; zero for none.
+    /// `rho/rho0 - 1` that particles [carry](crate::density_form), no unit; empty where densities are summed: a plan that carries
+    /// them goes on from such a state with the density at rest.
+    pub excesses: Vec<f32>,
+    /// Length of the last substep, s, for these and for pressures; zero for none.
     pub last_substep: f32,
     /// Which integrator made it: with another one [`histories`](Self::histories) mean nothing.
     pub integrator: Integrator,
@@ -97,7 +102,7 @@ pub enum SnapshotError {
 }
 
 /// First bytes of a saved snapshot; the last is the version of the format.
-const MAGIC: &[u8] = b"FRESHET\x05";
+const MAGIC: &[u8] = b"FRESHET\x06";
 
 /// What is known of bodies, for the bodies of another plan: `before` is what
 /// [`Plan::bodies_of`](crate::plan::Plan::bodies_of) says.
@@ -124,6 +129,15 @@ impl Snapshot {
     /// What an integrator keeps of each particle, if it made the snapshot; empty otherwise. For solvers.
     pub fn histories_for(&self, integrator: Integrator) -> &[f32] {
         if self.integrator == integrator { &self.histories } else { &[] }
+    }
+
+    /// Length of the last substep, s, for a plan: zero if what it is for is not here.
+    pub fn substep_for(&self, parameters: &Parameters) -> f32 {
+        let is_known = match parameters.pressure_solver {
+            PressureSolver::DivergenceFree(_) | PressureSolver::PositionBased(_) => true,
+            PressureSolver::WeaklyCompressible => parameters.density.is_carried() && !self.excesses.is_empty(),
+        };
+        if is_known { self.last_substep } else { 0.0 }
     }
 
     /// The snapshot as bytes: eight bytes of magic and version, the CRC-32 of what follows (four bytes, the lowest first),
@@ -192,6 +206,14 @@ impl Snapshot {
         if let Some(index) = self.pressures.iter().position(|pressure| !(pressure.is_finite() && *pressure >= 0.0)) {
             let field = format!("pressures[{index}]");
             return Err(InvalidInput::new(field, self.pressures[index], "0 or more").into());
+        }
+        if !self.excesses.is_empty() && self.excesses.len() != count {
+            let allowed = format!("none or {count}, one for each id");
+            return Err(InvalidInput::new("excesses", self.excesses.len(), allowed).into());
+        }
+        if let Some(index) = self.excesses.iter().position(|excess| !(excess.is_finite() && *excess > -1.0)) {
+            let field = format!("excesses[{index}]");
+            return Err(InvalidInput::new(field, self.excesses[index], "more than -1").into());
         }
         let words = count * self.integrator.words();
         if !self.histories.is_empty() && self.histories.len() != words {

@@ -43,6 +43,11 @@ impl Work {
             // Cell of a position.
             StageKind::Sort => Self { per_particle: 3 * 2, per_pair: 0 },
             StageKind::Density => {
+                if parameters.density.is_carried() {
+                    // Difference of velocities, way back, v.x; what is carried and the density of it, pressure and compression.
+                    let per_pair = DISTANCE + 3 + ADD_VECTOR + RELATIVE + slope + 5 + 2;
+                    return Self { per_particle: 3 + 2 + of_pressure(parameters) + 2 + 7, per_pair };
+                }
                 let of_density = DISTANCE + RELATIVE + shape + 2 + width(3);
                 match parameters.pressure_solver {
                     // p / rho^2 and the compression.
@@ -50,7 +55,7 @@ impl Work {
                         Self { per_particle: of_pressure(parameters) + 2 + 7, per_pair: of_density }
                     }
                     // The system's diagonal and the compression.
-                    PressureSolver::DivergenceFree(_) => {
+                    PressureSolver::DivergenceFree(_) | PressureSolver::PositionBased(_) => {
                         Self { per_particle: 9 + 7, per_pair: of_density + slope + ADD_VECTOR + 4 }
                     }
                 }
@@ -91,6 +96,14 @@ impl Work {
                 Self { per_particle: ADD_VECTOR + 2 * 6, per_pair }
             }
             StageKind::Integrate => Self { per_particle: 2 * ADD_VECTOR, per_pair: 0 },
+            // Of one iteration: sums as those of an incompressible fluid's densities, and as that of pressures; the move.
+            StageKind::PositionSolve => {
+                let sums = DISTANCE + RELATIVE + shape + 2 + slope + ADD_VECTOR + 4;
+                Self {
+                    per_particle: 9 + 6 + 2 * ADD_VECTOR,
+                    per_pair: sums + DISTANCE + RELATIVE + slope + 2 + ADD_VECTOR,
+                }
+            }
             // Of one iteration: a sum as that of pressures, one of rates, and the next pressure.
             StageKind::DivergenceSolve | StageKind::DensitySolve => {
                 let per_pair = 2 * (DISTANCE + RELATIVE + slope + 2 + ADD_VECTOR) + 2;

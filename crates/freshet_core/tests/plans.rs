@@ -760,3 +760,77 @@ fn what_an_incompressible_fluid_cannot_have_is_refused() {
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
     }
 }
+
+#[test]
+fn a_density_that_is_carried_is_refused_with_what_its_rate_does_not_know() {
+    let with = |change: fn(&mut FluidScene)| {
+        let mut scene = dam_break();
+        scene.settings.density = DensityForm::Continuity;
+        change(&mut scene);
+        Plan::new(&scene).map_err(|error| error.to_string())
+    };
+    let plan = with(|_| ()).unwrap();
+    assert_eq!(plan.excesses.len(), plan.positions.len());
+    assert!(plan.stages.iter().any(|stage| stage.reason.contains("particles carry")));
+    assert!(Plan::new(&dam_break()).unwrap().excesses.is_empty());
+    let refused: [(fn(&mut FluidScene), &str); 7] = [
+        (|scene| scene.settings.widest_support = 1.5, "settings.widest_support"),
+        (|scene| scene.settings.xsph = 0.5, "settings.xsph"),
+        (|scene| scene.settings.integrator = Integrator::Leapfrog, "leapfrog"),
+        (|scene| scene.settings.relaxation = Some(Relaxation::default()), "settings.relaxation"),
+        (|scene| scene.settings.pressure_solver = PressureSolver::DivergenceFree(DivergenceFree::default()), "weakly"),
+        (|scene| scene.bodies = vec![cork()], "1 bodies"),
+        (
+            |scene| {
+                scene.settings.density = DensityForm::AdaptedContinuity;
+                scene.settings.xsph = 0.5;
+            },
+            "adapted continuity",
+        ),
+    ];
+    for (change, word) in refused {
+        let message = with(change).unwrap_err();
+        assert!(message.contains("settings.density") && message.contains(word), "{message}");
+    }
+    // The adapted sum is the sum.
+    let mut adapted = dam_break();
+    adapted.settings.density = DensityForm::Adapted;
+    adapted.settings.xsph = 0.5;
+    assert!(Plan::new(&adapted).unwrap().excesses.is_empty());
+}
+
+#[test]
+fn the_position_based_solver_is_refused_with_what_it_does_not_do() {
+    let with = |change: fn(&mut FluidScene)| {
+        let mut scene = dam_break();
+        scene.settings.pressure_solver = PressureSolver::PositionBased(PositionBased::default());
+        change(&mut scene);
+        Plan::new(&scene).map_err(|error| error.to_string())
+    };
+    let plan = with(|_| ()).unwrap();
+    assert!(plan.has(StageKind::PositionSolve) && !plan.has(StageKind::DivergenceSolve));
+    assert!(plan.to_string().contains("position-based, 4 iterations"), "{plan}");
+    // Nothing is pressed together at the start.
+    let lowest = plan.positions.iter().map(|x| x.y).fold(f32::INFINITY, f32::min);
+    assert!((lowest - 0.05).abs() < 1e-6 && plan.positions.iter().any(|x| (x.y - 0.95).abs() < 1e-6));
+    fn solver(scene: &mut FluidScene, iterations: u32, softness: f32) {
+        scene.settings.pressure_solver = PressureSolver::PositionBased(PositionBased { iterations, softness });
+    }
+    let refused: [(fn(&mut FluidScene), [&str; 2]); 8] = [
+        (|scene| solver(scene, 0, 0.0), ["settings.pressure_solver.iterations: 0", "1 to 1000"]),
+        (|scene| solver(scene, 4, -1.0), ["settings.pressure_solver.softness: -1", "0 to 10"]),
+        (|scene| scene.settings.integrator = Integrator::Leapfrog, ["settings.integrator", "weakly compressible"]),
+        (|scene| scene.settings.redo_substeps = true, ["settings.redo_substeps", "position-based"]),
+        (|scene| scene.settings.density = DensityForm::Continuity, ["settings.density", "weakly compressible"]),
+        (|scene| scene.settings.near_pressure = 0.01, ["settings.near_pressure", "weakly compressible"]),
+        (|scene| scene.bodies = vec![cork()], ["settings.pressure_solver: position-based", "1 bodies"]),
+        (
+            |scene| scene.boundaries[0].friction = Friction { at_rest: 0.5, sliding: 0.25 },
+            ["settings.pressure_solver: position-based", "boundaries[0] has friction"],
+        ),
+    ];
+    for (change, words) in refused {
+        let message = with(change).unwrap_err();
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    }
+}

@@ -18,6 +18,7 @@ fn snapshot() -> Snapshot {
         velocities: vec![Vec3::X, Vec3::Y, Vec3::splat(f32::MIN_POSITIVE)],
         remaining_lives: vec![f32::INFINITY, 0.5, -0.001],
         pressures: vec![0.0, 2.5, 1e-3],
+        excesses: vec![0.0, -0.4, 1e-3],
         last_substep: 0.004,
         integrator: Integrator::Leapfrog,
         histories: vec![0.004, 0.0, 0.003],
@@ -31,7 +32,7 @@ const BODY: usize = 12;
 
 /// A body with the beginning that belongs to it: what is wrong with it is found by what comes after the checksum.
 fn sealed(body: &[u8]) -> Vec<u8> {
-    [b"FRESHET\x05", &crc32(body).to_le_bytes()[..], body].concat()
+    [b"FRESHET\x06", &crc32(body).to_le_bytes()[..], body].concat()
 }
 
 /// CRC-32 (IEEE 802.3), bit by bit.
@@ -62,7 +63,7 @@ fn another_file_is_no_snapshot() {
         match Snapshot::from_bytes(other) {
             Err(SnapshotError::NotASnapshot { found, expected }) => {
                 assert_eq!(found, &other[..other.len().min(8)]);
-                assert_eq!(expected, b"FRESHET\x05");
+                assert_eq!(expected, b"FRESHET\x06");
             }
             result => panic!("{result:?}"),
         }
@@ -107,13 +108,13 @@ fn no_flipped_bit_goes_unnoticed() {
 
 #[test]
 fn a_length_that_the_bytes_do_not_have_takes_no_memory() {
-    // Where the eight lists of an empty snapshot have their lengths, put one that is far too large: a vector of it would
+    // Where the nine lists of an empty snapshot have their lengths, put one that is far too large: a vector of it would
     // overflow an address space.
     let bytes = Snapshot::default().to_bytes().unwrap();
     let body = &bytes[BODY..];
-    assert_eq!(body.len(), 40);
+    assert_eq!(body.len(), 41);
     assert_eq!(sealed(body), bytes);
-    for at in (27..32).chain(37..40) {
+    for at in (27..33).chain(38..41) {
         for length in [u64::from(u32::MAX), 1 << 40, 1 << 60, u64::MAX] {
             let mut varint = Vec::new();
             let mut rest = length;
@@ -130,11 +131,13 @@ fn a_length_that_the_bytes_do_not_have_takes_no_memory() {
 
 #[test]
 fn an_invalid_value_is_refused_by_name() {
-    let cases: [(Snapshot, [&str; 3]); 24] = [
+    let cases: [(Snapshot, [&str; 3]); 26] = [
         (changed(|s| s.positions.truncate(2)), ["positions", "2", "3, one for each id"]),
         (changed(|s| s.velocities.push(Vec3::ZERO)), ["velocities", "4", "3, one for each id"]),
         (changed(|s| s.pressures.truncate(1)), ["pressures", "1", "none or 3, one for each id"]),
         (changed(|s| s.pressures[1] = -1.0), ["pressures[1]", "-1", "0 or more"]),
+        (changed(|s| s.excesses.truncate(1)), ["excesses", "1", "none or 3, one for each id"]),
+        (changed(|s| s.excesses[1] = -1.0), ["excesses[1]", "-1", "more than -1"]),
         (changed(|s| s.histories.truncate(2)), ["histories", "2", "none or 3, 1 for each id as leapfrog keeps"]),
         (changed(|s| s.histories[2] = f32::NAN), ["histories[2]", "NaN", "finite"]),
         (changed(|s| s.last_substep = 2.0), ["last_substep", "2", "1"]),

@@ -21,6 +21,8 @@ pub struct Particles {
     pub life: Vec<f32>,
     /// `p / rho^2` of the last substep, m5/(kg s2), if the next one [starts from it](Particles::keep_pressures); empty otherwise.
     pub pressure: Vec<f32>,
+    /// `rho/rho0 - 1`, no unit, if particles [carry](freshet_core::density_form) it; empty otherwise.
+    pub excess: Vec<f32>,
     /// What the integrator [keeps](Integrator::words) of particles, an array for each number; empty for others.
     pub history: [Vec<f32>; Integrator::MOST_WORDS],
 }
@@ -45,6 +47,13 @@ impl Particles {
     /// Whether pressures are part of the state.
     pub fn keeps_pressures(&self) -> bool {
         !self.pressure.is_empty()
+    }
+
+    /// Makes densities part of the state, those at rest at first, or not.
+    pub fn carry_densities(&mut self, carry: bool) {
+        if carry == self.excess.is_empty() {
+            self.excess = vec![0.0; if carry { self.len + PADDING } else { 0 }];
+        }
     }
 
     /// Makes what an integrator keeps part of the state, as that of particles that are new.
@@ -85,6 +94,7 @@ impl Particles {
         self.id.clone_from(&other.id);
         self.life.clone_from(&other.life);
         self.pressure.clone_from(&other.pressure);
+        self.excess.clone_from(&other.excess);
         for (values, others) in self.history.iter_mut().zip(&other.history) {
             values.clone_from(others);
         }
@@ -110,10 +120,12 @@ impl Particles {
         self.id[index] = id;
         self.life[index] = life;
         // Where there was padding there may be what is left of a particle that fell out.
-        if let Some(pressure) = self.pressure.get_mut(index) {
-            *pressure = 0.0;
-        }
-        for value in self.history.iter_mut().filter_map(|values| values.get_mut(index)) {
+        for value in self
+            .history
+            .iter_mut()
+            .chain([&mut self.pressure, &mut self.excess])
+            .filter_map(|values| values.get_mut(index))
+        {
             *value = 0.0;
         }
         for axis in 0..3 {
@@ -161,12 +173,16 @@ impl Particles {
     }
 
     fn reals(&self) -> impl Iterator<Item = &Vec<f32>> {
-        self.position.iter().chain(&self.velocity).chain([&self.life, &self.pressure]).chain(&self.history)
+        self.position
+            .iter()
+            .chain(&self.velocity)
+            .chain([&self.life, &self.pressure, &self.excess])
+            .chain(&self.history)
     }
 
     fn reals_mut(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
-        let pressure = Some(&mut self.pressure).filter(|pressure| !pressure.is_empty());
-        let kept = pressure.into_iter().chain(self.history.iter_mut().filter(|values| !values.is_empty()));
+        let optional = self.history.iter_mut().chain([&mut self.pressure, &mut self.excess]);
+        let kept = optional.filter(|values| !values.is_empty());
         self.position.iter_mut().chain(&mut self.velocity).chain([&mut self.life]).chain(kept)
     }
 }

@@ -24,11 +24,16 @@ fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
     let width = if plan.has(StageKind::Support) { 4 } else { 0 };
     // What the integrator keeps, read and written.
     let kept = 2 * 4 * plan.parameters.integrator.words() as u32;
+    // What is carried beside it, likewise.
+    let carried = if plan.parameters.density.is_carried() { 2 * 4 } else { 0 };
     let bytes_per_particle = match stage {
         // Key and order written and read, 32 bytes read and written.
-        StageKind::Sort => 4 * 4 + 2 * 32 + kept,
+        StageKind::Sort => 4 * 4 + 2 * 32 + kept + carried,
         // Position read, density and pressure term or diagonal written.
-        StageKind::Density => 12 + 8 + width,
+        // Carried, besides: velocity read, excess read and written.
+        StageKind::Density => 12 + 8 + width + if plan.parameters.density.is_carried() { 12 + 8 } else { 0 },
+        // Of one iteration: position read, density and diagonal written; position and push read, position written; and the sum of pushes.
+        StageKind::PositionSolve => 12 + 8 + 16 + 12 + 8,
         // Position read, width written.
         StageKind::Support => 12 + 4,
         // Position and pressure term read, with viscosity also velocity and density; acceleration written.

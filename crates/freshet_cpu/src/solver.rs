@@ -1,6 +1,7 @@
 //! The solver: owns the state and runs the plan's stages.
 
 mod answers;
+mod positions;
 mod redo;
 mod solves;
 mod stages;
@@ -22,6 +23,7 @@ use freshet_core::step::{PassTime, StepInput, StepReport};
 use glam::Vec3;
 
 use self::answers::Load;
+use self::positions::PositionSolve;
 use self::redo::Before;
 use self::solves::{PressureSolve, Solved};
 use crate::candidates::Candidates;
@@ -113,6 +115,8 @@ pub struct CpuSolver {
     width: Vec<f32>,
     /// Of plans whose pressures are solved for.
     solve: PressureSolve,
+    /// Of plans that move particles apart.
+    positions: PositionSolve,
     /// Length of the last substep, s; zero if there was none.
     last_substep: f32,
     /// Whose past the particles have.
@@ -229,6 +233,7 @@ impl CpuSolver {
             drift: Default::default(),
             width: Vec::new(),
             solve: PressureSolve::default(),
+            positions: PositionSolve::default(),
             last_substep: 0.0,
             integrator: Integrator::default(),
             walls: SortedSamples::default(),
@@ -255,6 +260,9 @@ impl CpuSolver {
         solver.take_plan();
         for (pressure, &start) in solver.particles.pressure.iter_mut().zip(&solver.plan.pressures) {
             *pressure = start;
+        }
+        for (excess, &start) in solver.particles.excess.iter_mut().zip(&solver.plan.excesses) {
+            *excess = start;
         }
         relax(&mut solver)?;
         Ok(solver)
@@ -297,6 +305,7 @@ impl CpuSolver {
         self.drift = Default::default();
         self.width = Vec::new();
         self.solve = PressureSolve::default();
+        self.positions = PositionSolve::default();
         self.before = Before::default();
         let solves = self.plan.has(StageKind::DivergenceSolve);
         if solves != self.particles.keeps_pressures() {
@@ -305,6 +314,16 @@ impl CpuSolver {
             self.density.clear();
             self.particles.keep_pressures(solves);
             self.last_substep = 0.0;
+        }
+        let carries = self.plan.parameters.density.is_carried();
+        if carries != !self.particles.excess.is_empty() {
+            self.particles.carry_densities(carries);
+            self.last_substep = 0.0;
+            // From a state that another plan left: pressures go on, and what lacked neighbours lacks them no more.
+            let rest_density = self.plan.parameters.rest_density;
+            for (excess, density) in self.particles.excess.iter_mut().zip(&self.density) {
+                *excess = (density / rest_density - 1.0).max(0.0);
+            }
         }
         if self.integrator != self.plan.parameters.integrator {
             self.integrator = self.plan.parameters.integrator;
@@ -339,6 +358,9 @@ impl CpuSolver {
         ];
         if self.solve.bytes() > 0 {
             self.schedule.buffers.push(schedule::buffer("pressure_solve", self.solve.bytes(), true));
+        }
+        if self.positions.bytes() > 0 {
+            self.schedule.buffers.push(schedule::buffer("position_solve", self.positions.bytes(), true));
         }
         if self.plan.has(StageKind::Xsph) {
             self.schedule.buffers.push(schedule::buffer("drift", real(&self.drift), true));
@@ -510,6 +532,9 @@ impl CpuSolver {
             tally.timed("support", || self.support_stage());
         }
         let compression = tally.timed("density", || self.density_stage());
+        if let PressureSolver::PositionBased(solver) = self.plan.parameters.pressure_solver {
+            tally.timed("position_solve", || self.position_solve_stage(&solver));
+        }
         if self.plan.has(StageKind::BodyDensity) {
             tally.timed("body_density", || self.body_density_stage());
         }
@@ -520,7 +545,7 @@ impl CpuSolver {
         self.loads.clear();
         if self.plan.has(StageKind::BodyLoad) {
             tally.timed("body_load", || match self.plan.parameters.pressure_solver {
-                PressureSolver::WeaklyCompressible => self.body_load_stage(),
+                PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => self.body_load_stage(),
                 PressureSolver::DivergenceFree(_) => self.body_touch_stage(),
             });
             self.add_drags();
@@ -562,6 +587,10 @@ impl CpuSolver {
             self.last_substep = dt;
         } else {
             self.final_velocities(dt, tally);
+            let parameters = &self.plan.parameters;
+            if parameters.density.is_carried() || self.plan.has(StageKind::PositionSolve) {
+                self.last_substep = dt;
+            }
         }
         tally.timed("body_motion", || {
             for (body, load) in self.bodies.iter_mut().zip(&self.loads) {
@@ -649,6 +678,10 @@ impl FluidSolver for CpuSolver {
                 true => order.iter().map(|&i| self.particles.pressure[i]).collect(),
                 false => Vec::new(),
             },
+            excesses: match self.particles.excess.is_empty() {
+                true => Vec::new(),
+                false => order.iter().map(|&i| self.particles.excess[i]).collect(),
+            },
             last_substep: self.last_substep,
             integrator: self.integrator,
             histories: order.iter().flat_map(|&i| self.particles.history_of(i)).collect(),
@@ -670,7 +703,11 @@ impl FluidSolver for CpuSolver {
         if particles.keeps_pressures() {
             particles.pressure[..snapshot.pressures.len()].copy_from_slice(&snapshot.pressures);
         }
-        self.last_substep = snapshot.last_substep;
+        particles.carry_densities(self.plan.parameters.density.is_carried());
+        if !particles.excess.is_empty() {
+            particles.excess[..snapshot.excesses.len()].copy_from_slice(&snapshot.excesses);
+        }
+        self.last_substep = snapshot.substep_for(&self.plan.parameters);
         particles.begin_histories(self.integrator);
         particles.take_histories(snapshot.histories_for(self.integrator));
         self.particles = particles;

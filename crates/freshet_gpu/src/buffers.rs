@@ -69,7 +69,9 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     need(Binding::Arguments, arguments, Usage::STORAGE | Usage::INDIRECT | Usage::COPY_DST | Usage::COPY_SRC);
     let needed = |binding: &Binding| {
         let asked_for = match binding {
-            Binding::Motions | Binding::Solves => incompressible(plan),
+            Binding::Motions => incompressible(plan) || plan.has(StageKind::PositionSolve),
+            Binding::Solves => incompressible(plan),
+            Binding::Places => plan.has(StageKind::PositionSolve),
             Binding::Drifts => plan.has(StageKind::Xsph),
             Binding::Widths => plan.has(StageKind::Support),
             Binding::Contacts => plan.has(StageKind::BodyDrag),

@@ -7,7 +7,7 @@ use crate::buffers::INPUT_STRIDE;
 use crate::commands::group_grid;
 use crate::errors::guarded;
 use crate::layout::Binding;
-use crate::passes::Dispatch;
+use crate::passes::{Dispatch, position_iterations};
 use crate::pipelines::Pipeline;
 use crate::pool::fitting_capacity;
 use crate::solver::{GpuSolver, PreparedTick, Spawning, TickMemo};
@@ -102,9 +102,11 @@ impl GpuSolver {
         let pipelines: Vec<_> = self.compiled.substep.iter().zip(groups).collect();
         let entries = || pipelines.chunk_by(|(one, _), (next, _)| one.pass.iterates_with(&next.pass));
         let times = |entry: &[(&Pipeline, &wgpu::BindGroup)]| match entry {
-            [(first, _), ..] if first.pass.iterates => {
-                iterations[usize::from(first.pass.stage == Some(StageKind::DensitySolve))]
-            }
+            [(first, _), ..] if first.pass.iterates => match first.pass.stage {
+                Some(StageKind::PositionSolve) => position_iterations(&self.plan),
+                Some(StageKind::DensitySolve) => iterations[1],
+                _ => iterations[0],
+            },
             _ => 1,
         };
         let Some(timer) = &self.timer else {

@@ -88,6 +88,13 @@ impl FluidSolver for GpuSolver {
 
     fn reconfigure(&mut self, plan: Plan) -> Result<(), SolverError> {
         let mut snapshot = self.take_snapshot()?;
+        if plan.parameters.density.is_carried() && snapshot.excesses.is_empty() && self.start.is_none() {
+            // Pressures go on, and what lacked neighbours lacks them no more.
+            let (ids, densities) = (self.read_field(Field::Id)?, self.read_field(Field::Density)?);
+            let densities = ids.integers().and_then(|ids| densities.sorted_by_id(&ids).scalars()).unwrap_or_default();
+            let rest_density = plan.parameters.rest_density;
+            snapshot.excesses = densities.iter().map(|density| (density / rest_density - 1.0).max(0.0)).collect();
+        }
         let before = plan.bodies_of(&self.plan);
         snapshot.exchanges = carried_over(&snapshot.exchanges, &before);
         snapshot.poses = plan.poses_from(&self.plan, &snapshot.poses);

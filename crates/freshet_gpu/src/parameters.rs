@@ -1,5 +1,6 @@
 //! The plan's numbers as the shaders use them, each product of constants formed once in double precision.
 
+use freshet_core::density_form::DensityForm;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::near_pressure;
 use freshet_core::plan::Plan;
@@ -43,7 +44,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
     // Of other plans nobody reads it.
     let solver = match p.pressure_solver {
         PressureSolver::DivergenceFree(solver) => solver,
-        PressureSolver::WeaklyCompressible => DivergenceFree::default(),
+        PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => DivergenceFree::default(),
     };
     Parameters {
         cell_mask: grid.dimensions() - UVec3::ONE,
@@ -103,6 +104,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         stiffness_scale: (diagonal_scale * mass * f64::from(p.relaxation / DivergenceFree::RELAXATION)) as f32,
         least_diagonal: p.least_diagonal,
         relaxation: p.relaxation,
+        softness: p.softness,
         longest_way: p.longest_way(),
         pressure_limit: 2.0 * DivergenceFree::PRESSURE_FACTOR * p.spacing / p.pressure_frequency.max(1e-12),
         shortest_substep: DivergenceFree::SHORTEST,
@@ -122,6 +124,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         swelling_way: p.swelling_way(),
         elsewhere: 0.5 * p.spacing,
         particle_mass: p.particle_mass,
+        least_excess: DensityForm::LEAST_EXCESS,
         sample_drag: 2.0 * p.dynamic_viscosity * p.spacing,
         ..Default::default()
     }

@@ -95,6 +95,7 @@ impl Pass {
     pub fn entry(&self) -> &'static str {
         match (self.iterates, self.stage) {
             (true, Some(StageKind::DivergenceSolve)) => "divergence_iterations",
+            (true, Some(StageKind::PositionSolve)) => "position_iterations",
             (true, _) => "density_iterations",
             (false, _) => self.name,
         }
@@ -113,6 +114,14 @@ pub(crate) fn incompressible(plan: &Plan) -> bool {
     matches!(plan.parameters.pressure_solver, PressureSolver::DivergenceFree(_))
 }
 
+/// How often particles are moved apart in a substep.
+pub(crate) fn position_iterations(plan: &Plan) -> u32 {
+    match plan.parameters.pressure_solver {
+        PressureSolver::PositionBased(solver) => solver.iterations,
+        PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => 0,
+    }
+}
+
 /// Whether there are bodies that answer to the solves of an incompressible fluid.
 pub(crate) fn answering_bodies(plan: &Plan) -> bool {
     incompressible(plan) && !plan.bodies.is_empty()
@@ -128,8 +137,14 @@ pub(crate) fn solve_words(plan: &Plan) -> u32 {
     if plan.bodies.is_empty() { 8 } else { 10 }
 }
 
-/// Numbers that the integrator keeps of each particle in [`Binding::Histories`], once in the order of the state and once in that of the sort.
+/// Numbers kept of each particle in [`Binding::Histories`], once in the order of the state and once in that of the sort: first what the integrator keeps,
+/// then the density that is carried.
 pub(crate) fn history_words(plan: &Plan) -> u64 {
+    past_words(plan) + u64::from(plan.parameters.density.is_carried())
+}
+
+/// Those of the integrator.
+pub(crate) fn past_words(plan: &Plan) -> u64 {
     plan.parameters.integrator.words() as u64
 }
 
@@ -184,7 +199,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
     let state = (B::Particles, Read);
     let neighbours = [(B::SortedPositions, Read), (B::CellStarts, Read), (B::Control, Write)];
     let with_words = |words, pass| Pass { words, ..pass };
-    let kept = history_words(plan);
+    let (kept, past) = (history_words(plan), past_words(plan));
     let answers = solves && bodies;
     let control = |name| {
         let uses = with(answers, vec![(B::Control, Write), (B::Arguments, Write)], &[(B::Answers, Write)]);
@@ -296,6 +311,21 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(true, uses, &[(B::Hits, Write), (B::Accelerations, Write), (B::Widths, Write)]);
             vec![pass("support", passes::SUPPORT, Arguments::Particles, &uses)]
         }
+        // In two: with its neighbours and what is carried there is no room for more buffers.
+        StageKind::Density if plan.parameters.density.is_carried() => {
+            let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
+            let uses = with(true, uses, &[(B::Accelerations, Write), (B::Hits, Write), (B::Histories, Write)]);
+            let of_excess = [
+                (B::Control, Write),
+                (B::Accelerations, Read),
+                (B::Histories, Read),
+                (B::SortedVelocities, Write),
+                (B::Densities, Write),
+            ];
+            let carry = pass("continuity", passes::CONTINUITY, Arguments::Particles, &uses);
+            let take = pass("carried_density", passes::CONTINUITY, Arguments::Particles, &of_excess);
+            vec![with_words(2, carry), with_words(1, take)]
+        }
         StageKind::Density => {
             let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
             let uses = with(true, uses, &[(B::SortedVelocities, Write), (B::Accelerations, Write)]);
@@ -312,6 +342,29 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(true, uses, &[(B::Accelerations, Write), (B::Hits, Read)]);
             let uses = with(plan.has(StageKind::Support), uses, &[(B::Widths, Read)]);
             vec![with_words(3, pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses))]
+        }
+        StageKind::PositionSolve => {
+            let pass = |name, uses: &[(Binding, Access)]| {
+                pass(name, passes::POSITION_SOLVE, Arguments::Particles, &with(true, vec![(B::Control, Write)], uses))
+            };
+            let begin = [(B::SortedPositions, Read), (B::Accelerations, Read), (B::Motions, Write), (B::Places, Write)];
+            let uses = with(samples, vec![(B::SortedPositions, Read), (B::CellStarts, Read)], &[(B::Samples, Read)]);
+            let uses = with(true, uses, &[(B::Hits, Read), (B::Motions, Read), (B::Places, Write)]);
+            let finish = [
+                (B::SortedPositions, Read),
+                (B::Accelerations, Read),
+                (B::Places, Read),
+                (B::SortedVelocities, Write),
+                (B::Densities, Write),
+            ];
+            let iteration = [
+                pass("multiply", &uses),
+                pass("displace", &uses),
+                pass("follow", &[(B::Places, Read), (B::Motions, Write)]),
+            ];
+            let iteration = iteration.into_iter().map(|pass| Pass { iterates: true, ..pass });
+            let begin = [pass("position_begin", &begin)];
+            begin.into_iter().chain(iteration).chain([pass("position_finish", &finish)]).collect()
         }
         StageKind::BodyDensity => vec![pass(
             "body_density",
@@ -413,13 +466,13 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             ),
         )],
         StageKind::Xsph => vec![with_words(
-            kept,
+            past,
             pass(
                 "xsph",
                 passes::XSPH,
                 Arguments::Motion,
                 &with(
-                    kept > 0,
+                    past > 0,
                     vec![
                         (B::SortedPositions, Read),
                         (B::SortedVelocities, Read),
@@ -449,9 +502,9 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 (B::Particles, Write),
             ];
             let uses = with(plan.has(StageKind::Xsph), moved.to_vec(), &[(B::Drifts, Read)]);
-            let uses = with(solves, uses, &[(B::Motions, Read)]);
-            let uses = with(kept > 0, uses, &[(B::Histories, Write)]);
-            vec![with_words(2 * kept, pass("integrate", passes::INTEGRATE, Arguments::Motion, &uses))]
+            let uses = with(solves || plan.has(StageKind::PositionSolve), uses, &[(B::Motions, Read)]);
+            let uses = with(past > 0, uses, &[(B::Histories, Write)]);
+            vec![with_words(2 * past, pass("integrate", passes::INTEGRATE, Arguments::Motion, &uses))]
         }
     }
 }

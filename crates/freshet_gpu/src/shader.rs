@@ -19,7 +19,8 @@ use crate::fine_grid::CELLS_PER_RADIUS;
 use crate::layout::bindings_module;
 use crate::options::GpuOptions;
 use crate::passes::{
-    Arguments, Pass, history_words, incompressible, moving_walls, needs_velocities, sample_arms, solve_words,
+    Arguments, Pass, history_words, incompressible, moving_walls, needs_velocities, past_words, sample_arms,
+    solve_words,
 };
 
 /// Cells that a workgroup of the prefix sum handles.
@@ -53,6 +54,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("ARGUMENTS_DRAW", 3 * Arguments::COUNT);
     number("SOLVE_WORDS", solve_words(plan));
     number("HISTORY_WORDS", history_words(plan) as u32);
+    number("PAST_WORDS", past_words(plan) as u32);
     number("WIDTH_EVALUATIONS", EVALUATIONS);
 
     let mut set = |name: &str| definitions.insert(name.to_owned(), ShaderDefValue::Bool(true));
@@ -79,6 +81,10 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("STICKING_BODIES", plan.has(StageKind::BodyDrag)),
         ("PERIODIC", plan.grid.periodic.any()),
         ("HISTORIES", history_words(plan) > 0),
+        ("PASTS", past_words(plan) > 0),
+        ("POSITION_BASED", plan.has(StageKind::PositionSolve)),
+        ("LAST_SUBSTEP", parameters.density.is_carried() || plan.has(StageKind::PositionSolve)),
+        ("SPEEDS_OF_STATE", !incompressible(plan) && !plan.has(StageKind::PositionSolve)),
         ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),
     ] {
         if condition {

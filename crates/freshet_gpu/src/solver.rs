@@ -291,7 +291,7 @@ impl GpuSolver {
     /// The iterations to encode for each of the two solves of a substep: those that need more take those of the next.
     pub(crate) fn iterations_to_encode(&self) -> [u32; 2] {
         match self.plan.parameters.pressure_solver {
-            PressureSolver::WeaklyCompressible => [0; 2],
+            PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => [0; 2],
             PressureSolver::DivergenceFree(solver) => {
                 iterations_to_encode(self.known.iterations).map(|count| count.min(solver.max_iterations))
             }
@@ -334,6 +334,7 @@ impl GpuSolver {
         let control = StepControl { next_id: particles.len() as u32, ..Default::default() };
         self.upload_state(&particles, control);
         self.buffers.write(&self.queue, Binding::Solves, &self.plan.pressures);
+        self.upload_kept(particles.len(), &[], &self.plan.excesses);
     }
 
     /// Writes particles and control; `control` need not hold the number of particles.

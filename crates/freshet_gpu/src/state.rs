@@ -11,7 +11,7 @@ use crate::buffers::Buffers;
 use crate::layout::{
     AccelerationRecord, Binding, BodyInputRecord, BodyRecord, ExchangeRecord, ParticleRecord, StepControl,
 };
-use crate::passes::history_words;
+use crate::passes::{history_words, past_words};
 use crate::solver::{GpuSolver, Start, halves};
 
 impl GpuSolver {
@@ -84,14 +84,18 @@ impl GpuSolver {
         let mut particles: Vec<ParticleRecord> = self.download(Binding::Particles, count)?;
         // None where pressures are not solved for.
         let mut pressures: Vec<f32> = self.download(Binding::Solves, count)?;
-        let words = history_words(&self.plan) as usize;
-        let mut histories: Vec<f32> = self.download(Binding::Histories, words * count)?;
-        if !(pressures.is_empty() && histories.is_empty()) {
+        let (words, past) = (history_words(&self.plan) as usize, past_words(&self.plan) as usize);
+        let kept: Vec<f32> = self.download(Binding::Histories, words * count)?;
+        let (mut histories, mut excesses) = (Vec::new(), Vec::new());
+        if !(pressures.is_empty() && kept.is_empty()) {
             let mut order: Vec<usize> = (0..count).collect();
             order.sort_unstable_by_key(|&index| particles[index].id);
             pressures = order.iter().filter_map(|&index| pressures.get(index).copied()).collect();
-            let of = |&index: &usize| histories[words * index..words * (index + 1)].to_vec();
-            histories = order.iter().flat_map(of).collect();
+            for &index in &order {
+                let (of_past, carried) = kept[words * index..words * (index + 1)].split_at(past);
+                histories.extend_from_slice(of_past);
+                excesses.extend_from_slice(carried);
+            }
         }
         particles.sort_unstable_by_key(|particle| particle.id);
         let bodies = self.download::<BodyRecord>(Binding::Bodies, self.plan.bodies.len())?;
@@ -107,6 +111,7 @@ impl GpuSolver {
             velocities: particles.iter().map(|particle| particle.velocity).collect(),
             remaining_lives: particles.iter().map(|particle| particle.remaining_life).collect(),
             pressures,
+            excesses,
             last_substep: control.last_substep,
             integrator: self.plan.parameters.integrator,
             histories,
@@ -146,18 +151,33 @@ impl GpuSolver {
             .collect();
         // A tick that covered nothing of what it was asked to.
         let (asked, remaining) = (snapshot.carry, snapshot.carry);
-        let last_substep = snapshot.last_substep;
+        let last_substep = snapshot.substep_for(&self.plan.parameters);
         let control = StepControl { next_id: snapshot.next_id, asked, remaining, last_substep, ..Default::default() };
         self.upload_state(&particles, control);
         // Snapshots of other plans have none.
         let mut pressures = snapshot.pressures.clone();
         pressures.resize(particles.len(), 0.0);
         self.buffers.write(&self.queue, Binding::Solves, &pressures);
-        let mut histories = snapshot.histories_for(self.plan.parameters.integrator).to_vec();
-        histories.resize(history_words(&self.plan) as usize * particles.len(), 0.0);
-        self.buffers.write(&self.queue, Binding::Histories, &histories);
+        let pasts = snapshot.histories_for(self.plan.parameters.integrator);
+        self.upload_kept(particles.len(), pasts, &snapshot.excesses);
         self.known.carry = snapshot.carry;
         self.upload_bodies(snapshot)
+    }
+
+    /// Writes what is kept of so many particles: of each its past, then the density that it carries; zeros for what is not known.
+    pub(crate) fn upload_kept(&self, count: usize, pasts: &[f32], excesses: &[f32]) {
+        let (words, past) = (history_words(&self.plan) as usize, past_words(&self.plan) as usize);
+        let mut kept = vec![0.0; words * count];
+        for (index, of_one) in kept.chunks_exact_mut(words.max(1)).enumerate() {
+            let (of_past, carried) = of_one.split_at_mut(past);
+            if let Some(known) = pasts.get(past * index..past * (index + 1)) {
+                of_past.copy_from_slice(known);
+            }
+            for (value, known) in carried.iter_mut().zip(excesses.get(index)) {
+                *value = *known;
+            }
+        }
+        self.buffers.write(&self.queue, Binding::Histories, &kept);
     }
 
     /// Writes what the bodies' engines have not heard of, and where the bodies were left.

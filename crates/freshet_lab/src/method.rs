@@ -1,6 +1,8 @@
 //! How pressure is found, as commands offer it.
 
 use clap::ValueEnum;
+use freshet_core::density_form::DensityForm;
+use freshet_core::position_based::PositionBased;
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::scene::FluidScene;
@@ -14,6 +16,10 @@ pub enum Method {
     WeaklyCompressible,
     /// The same with Mueller's form of the pressure force.
     Mueller,
+    /// The same as the default with densities that particles carry.
+    Continuity,
+    /// Particles moved apart, with the default number of iterations.
+    PositionBased,
     /// DFSPH with its default tolerances.
     DivergenceFree,
     /// DFSPH without any viscosity but water's own, `mu` = 1e-3 Pa s.
@@ -29,6 +35,8 @@ impl Method {
         match self {
             Self::WeaklyCompressible => "WCSPH",
             Self::Mueller => "WCSPH, Mueller's force",
+            Self::Continuity => "WCSPH, continuity",
+            Self::PositionBased => "position-based",
             Self::DivergenceFree => "DFSPH",
             Self::WaterAlone => "DFSPH, water's viscosity alone",
         }
@@ -39,9 +47,16 @@ impl Method {
         match self {
             Self::WeaklyCompressible => "",
             Self::Mueller => "_mueller",
+            Self::Continuity => "_continuity",
+            Self::PositionBased => "_position_based",
             Self::DivergenceFree => "_dfsph",
             Self::WaterAlone => "_water",
         }
+    }
+
+    /// Whether pressure follows from density.
+    pub fn is_weakly_compressible(self) -> bool {
+        matches!(self, Self::WeaklyCompressible | Self::Mueller | Self::Continuity)
     }
 
     /// The option that asks for it, with a space before; nothing for the default.
@@ -54,11 +69,15 @@ impl Method {
     /// The scene, simulated so.
     pub fn on(self, mut scene: FluidScene) -> FluidScene {
         scene.settings.pressure_solver = match self {
-            Self::WeaklyCompressible | Self::Mueller => PressureSolver::WeaklyCompressible,
+            Self::WeaklyCompressible | Self::Mueller | Self::Continuity => PressureSolver::WeaklyCompressible,
+            Self::PositionBased => PressureSolver::PositionBased(PositionBased::default()),
             Self::DivergenceFree | Self::WaterAlone => PressureSolver::DivergenceFree(DivergenceFree::default()),
         };
         if self == Self::Mueller {
             scene.settings.pressure_force = PressureForce::Mueller;
+        }
+        if self == Self::Continuity {
+            scene.settings.density = DensityForm::Continuity;
         }
         if self == Self::WaterAlone {
             scene.settings.artificial_viscosity = 0.0;

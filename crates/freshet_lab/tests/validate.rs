@@ -104,6 +104,19 @@ fn water_at_rest_has_the_pressure_of_its_depth() -> Result<(), LabError> {
 }
 
 #[test]
+fn water_whose_particles_carry_their_densities_stands_and_breaks_as_it_should() -> Result<(), LabError> {
+    assert_passes("hydrostatic-continuity", Backend::Cpu)?;
+    assert_passes("hydrostatic-continuity", Backend::Gpu)?;
+    assert_passes("density-drift", Backend::Cpu)
+}
+
+#[test]
+fn position_based_water_has_the_pressure_of_its_weight_and_sinks_in() -> Result<(), LabError> {
+    assert_passes("position-based", Backend::Cpu)?;
+    assert_passes("position-based", Backend::Gpu)
+}
+
+#[test]
 fn water_without_artificial_viscosity_comes_to_rest() -> Result<(), LabError> {
     assert_passes("calm-dfsph", Backend::Cpu)?;
     assert_passes("calm-dfsph", Backend::Gpu)

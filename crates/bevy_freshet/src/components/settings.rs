@@ -1,9 +1,11 @@
 //! How a fluid is simulated: the model's settings, as Bevy can reflect them.
 
 use bevy::prelude::*;
+use freshet_core::density_form::DensityForm;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
+use freshet_core::position_based::PositionBased;
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::relaxation::Relaxation;
@@ -22,6 +24,8 @@ pub struct FluidSettings {
     pub pressure_solver: FluidPressureSolver,
     /// Pressure as a function of density; none takes Tait's with the sound speed.
     pub equation_of_state: Option<FluidEquationOfState>,
+    /// How densities are found; an incompressible fluid takes the default only.
+    pub density: FluidDensityForm,
     /// How pressures become forces; an incompressible fluid takes the default only.
     pub pressure_force: FluidPressureForce,
     /// Whether negative pressures are set to zero, so that fluid does not pull at itself.
@@ -74,6 +78,7 @@ impl FluidSettings {
             support_ratio,
             pressure_solver: settings.pressure_solver.into(),
             equation_of_state: settings.equation_of_state.map(Into::into),
+            density: settings.density.into(),
             pressure_force: settings.pressure_force.into(),
             clamp_negative_pressure: settings.clamp_negative_pressure,
             sound_speed: settings.sound_speed,
@@ -101,6 +106,7 @@ impl FluidSettings {
             support: Support::Ratio(self.support_ratio),
             pressure_solver: self.pressure_solver.into(),
             equation_of_state: self.equation_of_state.map(Into::into),
+            density: self.density.into(),
             pressure_force: self.pressure_force.into(),
             clamp_negative_pressure: self.clamp_negative_pressure,
             sound_speed: self.sound_speed,
@@ -238,6 +244,43 @@ impl From<Integrator> for FluidIntegrator {
     }
 }
 
+/// How densities are found; formulas stand at [`density_form`](freshet_core::density_form).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidDensityForm {
+    /// As sums over neighbours.
+    #[default]
+    Summation,
+    /// From the number density: the same, as all particles have one mass.
+    Adapted,
+    /// Carried by particles and changed by the flow; see [`DensityForm::Continuity`] for what it goes with.
+    Continuity,
+    /// From a number density that is carried: the same as [`Continuity`](Self::Continuity).
+    AdaptedContinuity,
+}
+
+impl From<FluidDensityForm> for DensityForm {
+    fn from(form: FluidDensityForm) -> Self {
+        match form {
+            FluidDensityForm::Summation => Self::Summation,
+            FluidDensityForm::Adapted => Self::Adapted,
+            FluidDensityForm::Continuity => Self::Continuity,
+            FluidDensityForm::AdaptedContinuity => Self::AdaptedContinuity,
+        }
+    }
+}
+
+impl From<DensityForm> for FluidDensityForm {
+    fn from(form: DensityForm) -> Self {
+        match form {
+            DensityForm::Summation => Self::Summation,
+            DensityForm::Adapted => Self::Adapted,
+            DensityForm::Continuity => Self::Continuity,
+            DensityForm::AdaptedContinuity => Self::AdaptedContinuity,
+        }
+    }
+}
+
 /// How pressures become forces; formulas stand at [`PressureForce`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Default, Clone, Debug, PartialEq)]
@@ -284,6 +327,13 @@ pub enum FluidPressureSolver {
         /// Most iterations of a solve, 2 to 10,000.
         max_iterations: u32,
     },
+    /// None: particles are moved apart a fixed number of times in each of few substeps. Without bodies.
+    PositionBased {
+        /// Iterations of a substep, 1 to 1000: the more, the less the fluid gives in.
+        iterations: u32,
+        /// See [`PositionBased::softness`], 0 to 10.
+        softness: f32,
+    },
 }
 
 impl FluidPressureSolver {
@@ -300,6 +350,9 @@ impl From<FluidPressureSolver> for PressureSolver {
             FluidPressureSolver::DivergenceFree { compression, divergence, max_iterations } => {
                 Self::DivergenceFree(DivergenceFree { compression, divergence, max_iterations })
             }
+            FluidPressureSolver::PositionBased { iterations, softness } => {
+                Self::PositionBased(PositionBased { iterations, softness })
+            }
         }
     }
 }
@@ -310,6 +363,9 @@ impl From<PressureSolver> for FluidPressureSolver {
             PressureSolver::WeaklyCompressible => Self::WeaklyCompressible,
             PressureSolver::DivergenceFree(DivergenceFree { compression, divergence, max_iterations }) => {
                 Self::DivergenceFree { compression, divergence, max_iterations }
+            }
+            PressureSolver::PositionBased(PositionBased { iterations, softness }) => {
+                Self::PositionBased { iterations, softness }
             }
         }
     }

@@ -128,11 +128,12 @@ fn left_out(plan: &Plan, recipe: &Recipe) -> Vec<Problem> {
 
 /// A plan as it is kept and compared: the particles of its start are with the solver, notes are for the user.
 fn without_particles(plan: &Plan) -> Plan {
-    let (positions, velocities, pressures) = (Vec::new(), Vec::new(), Vec::new());
+    let (positions, velocities) = (Vec::new(), Vec::new());
     Plan {
         positions,
         velocities,
-        pressures,
+        pressures: Vec::new(),
+        excesses: Vec::new(),
         volume_ids: Vec::new(),
         left_out: Vec::new(),
         notes: Vec::new(),

@@ -38,6 +38,32 @@ pub(super) fn check_quasi_fluid(scene: &FluidScene) -> Result<(), InvalidInput> 
     Err(InvalidInput::new(format_args!("bodies[{index}].sampling"), "QuasiFluid", allowed))
 }
 
+/// Refuses the position-based solver beside what acts on fluid, or is acted on, by pressures in the course of a substep.
+pub(super) fn check_position_based(scene: &FluidScene) -> Result<(), InvalidInput> {
+    let solver = scene.settings.pressure_solver;
+    let held = scene.boundaries.iter().position(|boundary| boundary.friction.is_some());
+    let reason = match (solver, held) {
+        (PressureSolver::PositionBased(_), _) if !scene.bodies.is_empty() => {
+            format!("the scene has {} bodies, which it does not push", scene.bodies.len())
+        }
+        (PressureSolver::PositionBased(_), Some(index)) => {
+            format!("boundaries[{index}] has friction, by forces that it does not have")
+        }
+        _ => return Ok(()),
+    };
+    Err(InvalidInput::new("settings.pressure_solver", solver.name(), format_args!("another one, as {reason}")))
+}
+
+/// Refuses densities that are carried beside bodies: one that comes out of the fluid, or swells in it, is there without a velocity that a rate could be of.
+pub(super) fn check_carried_density(scene: &FluidScene) -> Result<(), InvalidInput> {
+    let density = scene.settings.density;
+    if density.is_carried() && !scene.bodies.is_empty() {
+        let allowed = format!("a summed one, as the scene has {} bodies", scene.bodies.len());
+        return Err(InvalidInput::new("settings.density", density.name(), allowed));
+    }
+    Ok(())
+}
+
 /// Refuses an integrator under which what friction holds does not come to rest: it may take all of a velocity in a substep.
 pub(super) fn check_friction(scene: &FluidScene) -> Result<(), InvalidInput> {
     let integrator = scene.settings.integrator;

@@ -44,6 +44,18 @@ impl fmt::Display for Plan {
                 p.viscous_factor,
                 p.substep_limit(0.0, p.gravity.length())
             )?,
+            PressureSolver::PositionBased(solver) => writeln!(
+                f,
+                "  position-based, {} iterations, relaxation {:.3}, softness {}; alpha {} with {:.3} m/s; step factors {} {}; first limit {:.3e} s",
+                solver.iterations,
+                p.relaxation,
+                solver.softness,
+                p.artificial_viscosity,
+                p.sound_speed,
+                p.courant_factor,
+                p.viscous_factor,
+                p.position_based_limit(0.0, p.gravity.length())
+            )?,
             PressureSolver::DivergenceFree(_) => writeln!(
                 f,
                 "  incompressible, relaxation {:.3}; alpha {} with {:.3} m/s; step factors {} {}; first limit {:.3e} s",

@@ -22,13 +22,13 @@ pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_v
 pub use self::stages::{Stage, StageKind};
 
 use self::checks::{
-    check_bounds, check_driven, check_friction, check_particles_within, check_periods, check_precision,
-    check_quasi_fluid, check_relaxation, max_particles,
+    check_bounds, check_carried_density, check_driven, check_friction, check_particles_within, check_periods,
+    check_position_based, check_precision, check_quasi_fluid, check_relaxation, max_particles,
 };
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
 use self::resolution::{kernel_of, spacing_of};
-use self::sampling::{bear, plan_body, sample_boundaries, sample_volumes, stand};
+use self::sampling::{bear, plan_body, press, sample_boundaries, sample_volumes, stand};
 use self::speeds::{equation_and_sound_speed, expected_speed};
 use self::stages::stages;
 use crate::emitter::Emitter;
@@ -36,6 +36,7 @@ use crate::equation_of_state::PressureLaw;
 use crate::error::{InvalidInput, check_range};
 use crate::field::Field;
 use crate::grid::Grid;
+use crate::position_based::PositionBased;
 use crate::pressure_solver::{
     DivergenceFree, PressureSolver, largest_eigenvalue, lattice_diagonal, pressure_frequency,
 };
@@ -63,6 +64,9 @@ pub struct Plan {
     /// `p / rho^2` that an incompressible fluid starts its first solve from, m5/(kg s2): that of water standing in each volume that
     /// is [hydrostatic](crate::scene::Volume::hydrostatic). Empty for other plans.
     pub pressures: Vec<f32>,
+    /// `rho/rho0 - 1` that particles start with, no unit, likewise; empty for plans whose densities are not
+    /// [carried](crate::density_form::DensityForm::is_carried).
+    pub excesses: Vec<f32>,
     /// For each volume of the scene, its first id and its number of particles.
     pub volume_ids: Vec<(u32, u32)>,
     /// What the volumes have inside of walls, which is none of the above: for each pair of a volume and a boundary, in the order
@@ -108,6 +112,8 @@ impl Plan {
         check_periods(&periodic, reach)?;
         check_driven(scene)?;
         check_quasi_fluid(scene)?;
+        check_carried_density(scene)?;
+        check_position_based(scene)?;
         check_relaxation(scene)?;
         check_friction(scene)?;
 
@@ -162,19 +168,25 @@ impl Plan {
 
         let incompressible = matches!(settings.pressure_solver, PressureSolver::DivergenceFree(_));
         let mut pressures = vec![0.0; if incompressible { positions.len() } else { 0 }];
+        let by_positions = matches!(settings.pressure_solver, PressureSolver::PositionBased(_));
+        let carried = settings.density.is_carried();
+        let mut excesses = vec![0.0; if carried { positions.len() } else { 0 }];
         for (volume, &(first, count)) in scene.volumes.iter().zip(&volume_ids) {
             if volume.hydrostatic {
                 let range = first as usize..(first + count) as usize;
                 let down = periodic.across(scene.gravity);
                 if incompressible {
                     bear(&mut pressures[range.clone()], &positions[range], down, rest_density, spacing);
-                } else {
+                } else if !by_positions {
+                    if carried {
+                        press(&mut excesses[range.clone()], &positions[range.clone()], down, sound_speed, spacing);
+                    }
                     stand(&mut positions[range], down, sound_speed, spacing);
                 }
             }
         }
         // Lattice sums that no other plan needs.
-        let (eigenvalue, pressure_frequency, diagonal) = match incompressible {
+        let (eigenvalue, pressure_frequency, diagonal) = match incompressible || by_positions {
             true => (
                 largest_eigenvalue(&kernel, spacing) as f32,
                 pressure_frequency(&kernel, spacing) as f32,
@@ -203,9 +215,17 @@ impl Plan {
             boundary_gamma: layer.gamma,
             boundary_depth: layer.depth,
             pressure_solver: settings.pressure_solver,
-            relaxation: DivergenceFree::RELAXATION / eigenvalue,
+            relaxation: match by_positions {
+                true => PositionBased::RELAXATION / eigenvalue,
+                false => DivergenceFree::RELAXATION / eigenvalue,
+            },
             least_diagonal: DivergenceFree::LEAST_DIAGONAL * diagonal as f32,
+            softness: match settings.pressure_solver {
+                PressureSolver::PositionBased(solver) => solver.softness * diagonal as f32,
+                PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => 0.0,
+            },
             pressure_frequency,
+            density: settings.density,
             pressure_law: PressureLaw { equation, clamp_negative: settings.clamp_negative_pressure },
             pressure_force: settings.pressure_force,
             sound_speed,
@@ -238,6 +258,7 @@ impl Plan {
             positions,
             velocities,
             pressures,
+            excesses,
             volume_ids,
             left_out,
             emitters: scene.emitters.clone(),

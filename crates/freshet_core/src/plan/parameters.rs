@@ -2,6 +2,7 @@
 
 use glam::{Mat3, Vec3};
 
+use crate::density_form::DensityForm;
 use crate::equation_of_state::PressureLaw;
 use crate::error::InvalidInput;
 use crate::integrator::Integrator;
@@ -34,13 +35,17 @@ pub struct Parameters {
     pub boundary_depth: f32,
     /// How pressure is found.
     pub pressure_solver: PressureSolver,
-    /// Share of a Jacobi step that a [`DivergenceFree`] solver takes; no unit.
+    /// Share of a Jacobi step that a [`DivergenceFree`] or [`PositionBased`](crate::position_based::PositionBased) solver takes; no unit.
     pub relaxation: f32,
     /// Least diagonal `K` of a [`DivergenceFree`] solver's system, kg s2/m5 over s2: see
     /// [`lattice_diagonal`](crate::pressure_solver::lattice_diagonal).
     pub least_diagonal: f32,
+    /// What a position-based solver adds to `K`, likewise; zero for others.
+    pub softness: f32,
     /// Frequency of particles under pressure, see [`pressure_frequency`](crate::pressure_solver::pressure_frequency); no unit.
     pub pressure_frequency: f32,
+    /// How densities are found.
+    pub density: DensityForm,
     /// Pressure as a function of density, if it is one.
     pub pressure_law: PressureLaw,
     /// How pressures become forces.
@@ -103,6 +108,11 @@ impl Parameters {
         let frequency = self.pressure_frequency * max_pressure.max(1e-12).sqrt() / self.spacing;
         let pressure = 2.0 * DivergenceFree::PRESSURE_FACTOR / frequency.max(1e-12);
         courant.min(fall).min(pressure).min(self.viscous_limit())
+    }
+
+    /// The substep of a position-based fluid: as that of an incompressible one, without the part of pressure.
+    pub fn position_based_limit(&self, max_speed: f32, gravity: f32) -> f32 {
+        self.incompressible_limit(max_speed, gravity, 0.0)
     }
 
     /// How much longer than the limit of the state that it leaves a substep may be; no unit.

@@ -167,6 +167,15 @@ pub(super) fn stand(positions: &mut [Vec3], gravity: Vec3, sound_speed: f32, spa
     }
 }
 
+/// Gives the particles of a volume that carry their densities those of water standing in it, as `rho/rho0 - 1`: `g depth / c^2`.
+pub(super) fn press(excesses: &mut [f32], positions: &[Vec3], gravity: Vec3, sound_speed: f32, spacing: f32) {
+    let (g, up) = (gravity.length(), -gravity.normalize_or_zero());
+    let high = positions.iter().map(|position| position.dot(up)).fold(f32::NEG_INFINITY, f32::max) + 0.5 * spacing;
+    for (excess, position) in excesses.iter_mut().zip(positions) {
+        *excess = g * (high - position.dot(up)) / (sound_speed * sound_speed);
+    }
+}
+
 /// Gives the particles of an incompressible volume the pressure of water standing in it, as `p / rho^2`: `g depth / rho`.
 pub(super) fn bear(pressures: &mut [f32], positions: &[Vec3], gravity: Vec3, rest_density: f32, spacing: f32) {
     let (g, up) = (gravity.length(), -gravity.normalize_or_zero());

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::sampling::PlannedBody;
+use crate::density_form::DensityForm;
+use crate::position_based::PositionBased;
 use crate::pressure_force::PressureForce;
 use crate::pressure_solver::PressureSolver;
 use crate::scene::FluidScene;
@@ -19,6 +21,8 @@ pub enum StageKind {
     Support,
     /// Density sum and pressure.
     Density,
+    /// Moves particles apart where they would be too dense without pressure, and their velocities with them.
+    PositionSolve,
     /// Density and pressure of the bodies' samples.
     BodyDensity,
     /// Acceleration by pressure, viscosity and gravity.
@@ -51,6 +55,7 @@ impl StageKind {
             StageKind::BodySort => "body_sort",
             StageKind::Support => "support",
             StageKind::Density => "density",
+            StageKind::PositionSolve => "position_solve",
             StageKind::BodyDensity => "body_density",
             StageKind::Acceleration => "acceleration",
             StageKind::BodyDrag => "body_drag",
@@ -93,8 +98,12 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         );
     }
     let incompressible = match scene.settings.pressure_solver {
-        PressureSolver::WeaklyCompressible => None,
+        PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => None,
         PressureSolver::DivergenceFree(solver) => Some(solver),
+    };
+    let by_positions = match scene.settings.pressure_solver {
+        PressureSolver::PositionBased(solver) => Some(solver),
+        PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => None,
     };
     let others = match (walls, bodies.is_empty()) {
         (false, true) => "fluid only",
@@ -102,15 +111,28 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         (false, false) => "fluid and bodies",
         (true, false) => "fluid, walls and bodies",
     };
-    let density = match incompressible {
-        None => "pressure follows from density (weakly compressible)",
-        Some(_) => "densities, and what each pressure changes of them",
+    let density = match (incompressible, scene.settings.density) {
+        _ if by_positions.is_some() => "densities where particles would be without pressure",
+        (None, DensityForm::Summation) => "pressure follows from density (weakly compressible)",
+        (None, DensityForm::Adapted) => {
+            "pressure follows from number density, which is density with particles of one mass"
+        }
+        (None, DensityForm::Continuity) => "pressure follows from density, which particles carry and the flow changes",
+        (None, DensityForm::AdaptedContinuity) => {
+            "pressure follows from number density, which particles carry and the flow changes"
+        }
+        (Some(_), _) => "densities, and what each pressure changes of them",
     };
     add(StageKind::Density, &format!("{density}; {others}"));
+    if let Some(PositionBased { iterations, .. }) = by_positions {
+        let what = format!("the fluid is moved apart {iterations} times, and velocities with it (position-based)");
+        add(StageKind::PositionSolve, &what);
+    }
     if bodies.iter().any(|body| !body.own_densities.is_empty()) {
         add(StageKind::BodyDensity, "bodies are sampled by quasi-fluid, which has densities and pressures of its own");
     }
     let pressure = match (incompressible, scene.settings.pressure_force) {
+        _ if by_positions.is_some() => "no pressure",
         (Some(_), _) => "pressure of the last substep",
         (None, PressureForce::Monaghan) => "pressure",
         (None, PressureForce::Mueller) => "pressure by Mueller's form",
@@ -131,6 +153,7 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     add(
         StageKind::StepControl,
         match incompressible {
+            None if by_positions.is_some() => "substeps adapt to the fastest particle",
             None => "substeps adapt to the fastest particle and the largest acceleration",
             Some(_) => "substeps adapt to the fastest particle and the largest pressure",
         },

@@ -1,6 +1,6 @@
 //! Stage `density`: `rho_a = (1/S) (m sum_b W_ab + rho0 sum_k V_k W_ak)`, and what follows from it: `P_a = p_a / rho_a^2` by an
 //! equation of state, or of an incompressible fluid the diagonal of its
-//! [system](freshet_core::pressure_solver::DivergenceFree).
+//! [system](freshet_core::pressure_solver::DivergenceFree). Where particles carry their densities the stage is [`continuity`](super::continuity).
 
 use std::marker::PhantomData;
 
@@ -360,7 +360,7 @@ impl<S: Simd> Pairs<S> {
 
 /// Pressure terms from densities: a loop without branches, which the compiler makes lanes of.
 #[inline(always)]
-fn pressure_terms(rest_density: f32, law: PressureLaw, density: &[f32], pressure_term: &mut [f32]) {
+pub(super) fn pressure_terms(rest_density: f32, law: PressureLaw, density: &[f32], pressure_term: &mut [f32]) {
     let rest_density = f64::from(rest_density);
     for (&density, term) in density.iter().zip(pressure_term) {
         *term = law.pressure(rest_density, f64::from(density)) as f32 / (density * density);
@@ -369,7 +369,7 @@ fn pressure_terms(rest_density: f32, law: PressureLaw, density: &[f32], pressure
 
 /// Compression from densities, likewise.
 #[inline(always)]
-fn compression(rest_density: f32, density: &[f32]) -> Compression {
+pub(super) fn compression(rest_density: f32, density: &[f32]) -> Compression {
     // Bits of numbers that are not negative are in the order of the numbers.
     let (mut largest, mut sum) = (0u32, 0u64);
     for density in density {

@@ -168,6 +168,7 @@ impl Sorter {
         let [least, most] = CHUNKS_PER_THREAD.map(|chunks| chunks * workers.active());
         cut_into_chunks(&mut self.chunks, &self.starts, (live / CHUNK_PARTICLES).clamp(least, most));
         scratch.keep_pressures(particles.keeps_pressures());
+        scratch.carry_densities(!particles.excess.is_empty());
         scratch.keep_histories_of(particles);
         scratch.resize(live);
         self.reorder(workers, particles, scratch);
@@ -281,7 +282,9 @@ impl Sorter {
                 }
             }
         });
-        for (target, source) in to.history.iter_mut().zip(&from.history).filter(|(_, source)| !source.is_empty()) {
+        let targets = to.history.iter_mut().chain([&mut to.excess]);
+        let sources = from.history.iter().chain([&from.excess]);
+        for (target, source) in targets.zip(sources).filter(|(_, source)| !source.is_empty()) {
             let tasks = Tasks::new(&self.chunks, (), (&mut **target, &mut *self.order));
             workers.share(tasks, |(_, (), (target, order))| {
                 for (value, slot) in target.iter_mut().zip(order) {

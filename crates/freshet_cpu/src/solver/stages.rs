@@ -15,7 +15,8 @@ use crate::passes::density::{Compression, Second};
 use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
 use crate::passes::{
-    acceleration, body_density, body_drag, body_load, body_touch, density, friction, integrate, support, xsph,
+    acceleration, body_density, body_drag, body_load, body_touch, continuity, density, friction, integrate, support,
+    xsph,
 };
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
@@ -32,6 +33,9 @@ impl CpuSolver {
         let solves = self.plan.has(StageKind::DivergenceSolve);
         if solves {
             self.solve.resize(padded);
+        }
+        if self.plan.has(StageKind::PositionSolve) {
+            self.positions.resize(padded);
         }
         if self.plan.has(StageKind::Xsph) {
             self.drift.iter_mut().for_each(|values| values.resize(padded, 0.0));
@@ -69,10 +73,48 @@ impl CpuSolver {
 
     /// Densities, pressure terms and the lists of candidates.
     pub(super) fn density_stage(&mut self) -> Compression {
+        // The number of chunks varies by a few: lists that are left over wait for the next substep.
+        let lists = self.candidates.len().max(self.sorter.chunks.len());
+        self.candidates.resize_with(lists, Candidates::default);
+        match self.plan.parameters.density.is_carried() {
+            true => self.carried_densities(),
+            false => self.summed_densities(),
+        }
+    }
+
+    /// Densities after the substep before.
+    fn carried_densities(&mut self) -> Compression {
+        let parameters = &self.plan.parameters;
+        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let samples = [&self.walls, &self.body_samples.sorted];
+        let inputs = continuity::Inputs {
+            arch: self.arch,
+            grid: &self.plan.grid,
+            starts: &self.sorter.starts,
+            position: &self.particles.position,
+            velocity: &self.particles.velocity,
+            samples: those_with_samples(&samples),
+            fluid_factor: parameters.particle_mass / parameters.rest_density * scale,
+            sample_factor: scale,
+            // Taken: a state whose stages are found again is no later for it.
+            elapsed: std::mem::take(&mut self.last_substep),
+            rest_density: parameters.rest_density,
+            law: parameters.pressure_law,
+        };
+        let results = [&mut *self.particles.excess, &mut *self.density, &mut *self.pressure_term];
+        let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, results)| {
+            let [excess, density, pressure_term] = results;
+            let task = continuity::Task { inputs, chunk, workspace, candidates, excess, density, pressure_term };
+            dispatch(parameters.kernel, task)
+        })
+    }
+
+    fn summed_densities(&mut self) -> Compression {
         let parameters = &self.plan.parameters;
         let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
         let (second, seconds) = match parameters.pressure_solver {
-            PressureSolver::WeaklyCompressible => {
+            PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => {
                 (Second::PressureTerm(parameters.pressure_law), &mut self.pressure_term)
             }
             PressureSolver::DivergenceFree(_) => {
@@ -97,9 +139,6 @@ impl CpuSolver {
             second,
             rest_density: parameters.rest_density,
         };
-        // The number of chunks varies by a few: lists that are left over wait for the next substep.
-        let lists = self.candidates.len().max(self.sorter.chunks.len());
-        self.candidates.resize_with(lists, Candidates::default);
         let results = [&mut *self.density, &mut **seconds];
         let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, results)| {
@@ -111,9 +150,11 @@ impl CpuSolver {
     /// Accelerations, from the candidates of the density stage.
     pub(super) fn acceleration_stage(&mut self) -> Maxima {
         let mut acceleration = std::mem::take(&mut self.acceleration);
-        let terms = std::mem::take(self.pressure_terms_mut());
+        let by_positions = self.plan.has(StageKind::PositionSolve);
+        // What pressures do to a position-based fluid is done: none are left.
+        let terms = std::mem::take(if by_positions { &mut self.positions.push } else { self.pressure_terms_mut() });
         let maxima = self.accelerate(&terms, &mut acceleration, true);
-        *self.pressure_terms_mut() = terms;
+        *(if by_positions { &mut self.positions.push } else { self.pressure_terms_mut() }) = terms;
         self.acceleration = acceleration;
         maxima
     }
@@ -377,6 +418,13 @@ impl CpuSolver {
 
     /// Moves all particles over `dt` seconds, with velocities that are `lead` seconds ahead.
     pub(super) fn integrate_stage(&mut self, dt: f32, lead: f32) {
+        if self.plan.has(StageKind::PositionSolve) {
+            for (position, way) in self.particles.position.iter_mut().zip(&self.positions.way) {
+                for (x, way) in position[..self.particles.len].iter_mut().zip(way) {
+                    *x += way;
+                }
+            }
+        }
         let (workers, chunks, periodic) = (&self.workers, &self.sorter.chunks, &self.plan.grid.periodic);
         let (particles, acceleration) = (&mut self.particles, &self.acceleration);
         let drift = self.plan.has(StageKind::Xsph).then_some(&self.drift);

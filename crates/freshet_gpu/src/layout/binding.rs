@@ -46,7 +46,7 @@ pub enum Binding {
     Densities,
     /// [`AccelerationRecord`](records::AccelerationRecord). Between the sort and the density pass: velocities.
     Accelerations,
-    /// Accelerations by a change of the pressures of an incompressible fluid, m/s2. A buffer or a texture, as the positions.
+    /// Accelerations by a change of the pressures of an incompressible fluid, m/s2; of a position-based one places, m. A buffer or a texture, as the positions.
     Motions,
     /// What the solves of an incompressible fluid keep, eight words a particle, ten with bodies, each word in a section of its own.
     Solves,
@@ -82,13 +82,15 @@ pub enum Binding {
     Widths,
     /// [`ContactRecord`](records::ContactRecord), of plans in which fluid sticks to bodies.
     Contacts,
-    /// What the integrator keeps of particles, one after the other: in the order of the state, then in that of the last sort.
+    /// What the integrator keeps of particles and the density that they carry, one after the other: in the order of the state, then in that of the last sort.
     Histories,
+    /// [`PlaceRecord`](records::PlaceRecord), of position-based plans: where particles are moved to. Others see it in the motions, m.
+    Places,
 }
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 30] = [
+    pub const ALL: [Binding; 31] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -119,6 +121,7 @@ impl Binding {
         Binding::Widths,
         Binding::Contacts,
         Binding::Histories,
+        Binding::Places,
     ];
 
     /// Number in group 0.
@@ -164,13 +167,14 @@ impl Binding {
             Binding::Widths => "widths",
             Binding::Contacts => "contacts",
             Binding::Histories => "histories",
+            Binding::Places => "places",
         }
     }
 
     /// Bytes of one particle's part, without that of plans with bodies, of histories the most; none for buffers that do not hold particles.
     pub fn particle_bytes(self) -> Option<u64> {
         match self {
-            Binding::Particles | Binding::Hits | Binding::Solves => Some(32),
+            Binding::Particles | Binding::Hits | Binding::Solves | Binding::Places => Some(32),
             Binding::SortedPositions
             | Binding::SortedVelocities
             | Binding::Accelerations
@@ -214,6 +218,7 @@ impl Binding {
             Binding::SampleLoads => "array<SampleLoadRecord>",
             Binding::Spawned => "array<SpawnRecord>",
             Binding::Answers => "array<BodyAnswerRecord>",
+            Binding::Places => "array<PlaceRecord>",
             Binding::Contacts => "array<ContactRecord>",
         }
     }
@@ -330,6 +335,13 @@ fn sample_arm(k: u32) -> SampleArm {
 "
             }
             Binding::WallFrictions => "fn wall_friction(k: u32) -> vec2<f32> { return wall_frictions[k]; }\n",
+            Binding::Places => {
+                "fn place(i: u32) -> vec3<f32> { return places[i].place; }
+fn push(i: u32) -> f32 { return places[i].push; }
+fn sum_of_pushes(i: u32) -> f32 { return places[i].sum; }
+fn place_own_row(i: u32) -> u32 { return places[i].own_row; }
+"
+            }
             Binding::Drifts => "fn drift(i: u32) -> vec3<f32> { return drifts[i].xyz; }\n",
             Binding::Widths => "fn width(i: u32) -> f32 { return widths[i]; }\n",
             Binding::Histories => {
@@ -338,6 +350,8 @@ fn sample_arm(k: u32) -> SampleArm {
 }
 fn history(i: u32, word: u32) -> f32 { return histories[history_place(0u, i, word)]; }
 fn sorted_history(i: u32, word: u32) -> f32 { return histories[history_place(1u, i, word)]; }
+fn excess(i: u32) -> f32 { return history(i, #{PAST_WORDS}u); }
+fn excess_before(i: u32) -> f32 { return sorted_history(i, #{PAST_WORDS}u); }
 "
             }
             Binding::Contacts => {
@@ -525,10 +539,20 @@ fn add_body_impulse(i: u32, slot: u32, linear: vec3<f32>, angular: vec3<f32>) {
             }
             Binding::Histories => {
                 "fn set_history(i: u32, word: u32, value: f32) { histories[history_place(0u, i, word)] = value; }
+fn set_excess(i: u32, value: f32) { set_history(i, #{PAST_WORDS}u, value); }
 fn set_sorted_history(i: u32, word: u32, value: f32) { histories[history_place(1u, i, word)] = value; }
 "
             }
             Binding::Widths => "fn set_width(i: u32, value: f32) { widths[i] = value; }\n",
+            Binding::Places => {
+                "fn begin_place(i: u32, x: vec3<f32>, hits_there: u32) { places[i] = PlaceRecord(x, 0.0, 0.0, hits_there, 0u, 0u); }
+fn set_place(i: u32, x: vec3<f32>) { places[i].place = x; }
+fn set_push(i: u32, value: f32) {
+    places[i].push = value;
+    places[i].sum += value;
+}
+"
+            }
             Binding::Drifts => "fn set_drift(i: u32, e: vec3<f32>) { drifts[i] = vec4<f32>(e, 0.0); }\n",
             Binding::BodySlots => "fn set_body_slot(i: u32, k: u32) { body_slots[i] = k; }\n",
             Binding::SampleLoads => {

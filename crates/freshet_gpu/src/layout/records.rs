@@ -159,6 +159,14 @@ wgsl_struct! {
         particle_mass: f32,
         /// 2 mu d: what a sample of a body is dragged by, N s/m.
         sample_drag: f32,
+        /// Least `rho/rho0 - 1` that particles carry.
+        least_excess: f32,
+        /// What the position-based solver adds to `K`.
+        softness: f32,
+        /// Uniforms are multiples of 16 bytes.
+        pad_a: u32,
+        /// See above.
+        pad_b: u32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.
@@ -347,6 +355,22 @@ wgsl_struct! {
         torque: Vec3,
         /// Unused.
         pad_a: f32,
+    }
+
+    /// A particle that is moved apart from others.
+    pub struct PlaceRecord {
+        /// Where it has been moved to, m.
+        place: Vec3,
+        /// `dt^2 P` of an iteration.
+        push: f32,
+        /// Sum of these.
+        sum: f32,
+        /// Neighbours in its own row, as the density pass left them.
+        own_row: u32,
+        /// Unused.
+        pad_a: u32,
+        /// Unused.
+        pad_b: u32,
     }
 
     /// What of a particle sticks to a body.

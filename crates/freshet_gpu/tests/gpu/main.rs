@@ -5,6 +5,7 @@
 mod bodies;
 mod commands;
 mod common;
+mod continuity;
 mod determinism;
 mod drawing;
 mod forces;
@@ -12,7 +13,10 @@ mod incompressible;
 mod incompressible_bodies;
 mod integrators;
 mod lowering;
+#[path = "../../../freshet_cpu/tests/common/position_based.rs"]
+mod moved;
 mod pipelined;
+mod position_based;
 mod quasi_fluid;
 mod reconfigure;
 mod reference;

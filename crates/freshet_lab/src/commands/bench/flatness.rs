@@ -31,8 +31,8 @@ const TICKS_PER_SECOND: f64 = 60.0;
 /// What is simulated, s: an incompressible fluid's first substep, from rest, takes more iterations than twenty of the others.
 fn seconds(method: Method) -> f64 {
     match method {
-        Method::WeaklyCompressible | Method::Mueller => OPENING,
-        Method::DivergenceFree | Method::WaterAlone => 0.5,
+        method if method.is_weakly_compressible() => OPENING,
+        _ => 0.5,
     }
 }
 

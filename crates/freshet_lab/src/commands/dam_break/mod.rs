@@ -65,7 +65,7 @@ impl DamBreakArgs {
     fn resolutions(&self) -> Vec<u32> {
         let mut resolutions = match (self.resolutions.is_empty(), self.common.quick) {
             (false, _) => self.resolutions.clone(),
-            (true, true) if matches!(self.method, Method::WeaklyCompressible | Method::Mueller) => vec![12],
+            (true, true) if self.method.is_weakly_compressible() => vec![12],
             (true, true) => vec![12, 20],
             (true, false) => vec![12, 20, 32],
         };
@@ -128,9 +128,7 @@ pub fn verdict(method: Method, runs: &[Run]) -> Verdict {
         let at = |what: &str| format!("{} at a/d = {}: {what}", experiment.name, finest.resolution);
         let (reference, as_it_is, bound): (_, fn(&Run) -> f64, _) = match method {
             Method::WaterAlone => (" against potential flow", |run| run.inviscid_error.rms, INVISCID_RMS_BOUND),
-            Method::WeaklyCompressible | Method::Mueller | Method::DivergenceFree => {
-                ("", |run| run.error.rms, RMS_BOUND)
-            }
+            _ => ("", |run| run.error.rms, RMS_BOUND),
         };
         let name = at(&format!("RMS error{reference}"));
         verdict.check(name, as_it_is(finest) * 100.0, "%", Bound::Below(bound * 100.0));

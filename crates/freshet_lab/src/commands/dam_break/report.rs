@@ -304,7 +304,7 @@ fn front_panel(method: Method, experiment: &'static DamBreakExperiment, runs: &[
     // Nothing without viscosity is as late as the experiments: where water's own is all, it is what to compare with.
     let inviscid = match method {
         Method::WaterAlone => vec![potential_flow(inviscid::front(experiment, 0.0))],
-        Method::WeaklyCompressible | Method::Mueller | Method::DivergenceFree => Vec::new(),
+        _ => Vec::new(),
     };
     Panel {
         title: experiment.title.to_owned(),

@@ -1,5 +1,6 @@
 //! One run with one step length.
 
+use freshet_core::density_form::DensityForm;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::field::Field;
 use freshet_core::integrator::Integrator;
@@ -86,6 +87,10 @@ pub enum SolverOption {
     Xsph,
     /// Supports that widen to 1.5 times where the fluid is thin ([`variable_support`](freshet_core::variable_support)).
     VariableSupport,
+    /// Densities that particles carry ([`density_form`](freshet_core::density_form)).
+    Continuity,
+    /// Particles moved apart, with the default number of iterations, tried on the CPU only. Its number is that of [`DivergenceFree`](Self::DivergenceFree), without a limit of pressure.
+    PositionBased,
     /// Divergence-free SPH with its default tolerances, tried on the CPU only. Its number is the way of the fastest particle in a
     /// step over the spacing, `v dt / d`; steps are limited by the pressure, too, as in every plan: in water at rest nothing goes any
     /// way.
@@ -95,7 +100,7 @@ pub enum SolverOption {
 impl SolverOption {
     /// All of them, the plan's default first. [`redo_substeps`](freshet_core::scene::Settings::redo_substeps) is none of them: it
     /// shortens the very step whose length is asked for.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Tait,
         Self::Linear,
         Self::Tension,
@@ -103,6 +108,8 @@ impl SolverOption {
         Self::Morris,
         Self::Xsph,
         Self::VariableSupport,
+        Self::Continuity,
+        Self::PositionBased,
         Self::DivergenceFree,
     ];
 
@@ -116,6 +123,8 @@ impl SolverOption {
             Self::Morris => "Morris viscosity",
             Self::Xsph => "XSPH",
             Self::VariableSupport => "variable support",
+            Self::Continuity => "continuity",
+            Self::PositionBased => "position-based",
             Self::DivergenceFree => "DFSPH",
         }
     }
@@ -127,7 +136,7 @@ impl SolverOption {
 
     /// Whether a speed of sound plays any part.
     pub fn has_sound(self) -> bool {
-        self != Self::DivergenceFree
+        !matches!(self, Self::DivergenceFree | Self::PositionBased)
     }
 }
 
@@ -197,11 +206,14 @@ impl Configuration {
         match self.option {
             SolverOption::NearPressure => scene.settings.near_pressure = 0.01,
             SolverOption::Xsph => scene.settings.xsph = 0.5,
+            SolverOption::Continuity => scene.settings.density = DensityForm::Continuity,
             SolverOption::VariableSupport => scene.settings.widest_support = 1.5,
             _ => {}
         }
-        if self.option == SolverOption::DivergenceFree {
-            scene = Method::DivergenceFree.on(scene);
+        match self.option {
+            SolverOption::DivergenceFree => scene = Method::DivergenceFree.on(scene),
+            SolverOption::PositionBased => scene = Method::PositionBased.on(scene),
+            _ => {}
         }
         if self.option == SolverOption::Morris {
             let Parameters { artificial_viscosity, smoothing_length, rest_density, .. } = Plan::new(&scene)?.parameters;

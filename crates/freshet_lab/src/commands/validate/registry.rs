@@ -67,7 +67,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 29] = [
+pub const CASES: [&Case; 32] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -76,7 +76,10 @@ pub const CASES: [&Case; 29] = [
     &cases::taylor_green::CASE,
     &cases::hydrostatic::CASE,
     &cases::hydrostatic::MUELLER,
+    &cases::hydrostatic::CONTINUITY,
     &cases::hydrostatic::DIVERGENCE_FREE,
+    &cases::density_drift::CASE,
+    &cases::position_based::CASE,
     &cases::deep_column::CASE,
     &cases::deep_column::DIVERGENCE_FREE,
     &cases::calm::CASE,

@@ -30,6 +30,13 @@ pub const MUELLER: Case = Case {
     run: |job| MUELLERS.run(job),
 };
 
+/// The same with densities that particles carry.
+pub const CONTINUITY: Case = Case {
+    name: "hydrostatic-continuity",
+    about: "the same with densities that particles carry: pressure against depth, level and speed; exact",
+    run: |job| CARRIED.run(job),
+};
+
 /// The same with the incompressible solver.
 pub const DIVERGENCE_FREE: Case = Case {
     name: "hydrostatic-dfsph",
@@ -56,6 +63,14 @@ const MUELLERS: Study = Study {
     // All quick forms together have a minute.
     quick: &[8],
     simulate: |job, resolution, progress| simulate(job, Method::Mueller, resolution, progress),
+    ..WEAKLY_COMPRESSIBLE
+};
+
+const CARRIED: Study = Study {
+    name: "hydrostatic-continuity",
+    title: "Water at rest, 0.5 m deep, densities by continuity",
+    quick: &[8],
+    simulate: |job, resolution, progress| simulate(job, Method::Continuity, resolution, progress),
     ..WEAKLY_COMPRESSIBLE
 };
 

@@ -1,0 +1,173 @@
+//! Position-based fluids: iterations against sums over all pairs, momentum, and what a column at rest comes to.
+
+#[path = "common/position_based.rs"]
+mod reference;
+
+use freshet_core::prelude::*;
+use freshet_cpu::{CpuOptions, CpuSolver, InstructionSet};
+use glam::DVec3;
+use reference::moved;
+
+fn solver_of(plan: &Plan, instruction_set: InstructionSet) -> CpuSolver {
+    CpuSolver::new(plan.clone(), CpuOptions { threads: Some(2), instruction_set, ..CpuOptions::default() }).unwrap()
+}
+
+fn column(iterations: u32) -> FluidScene {
+    let mut scene = FluidScene {
+        volumes: vec![Volume::block(Vec3::new(0.2, 0.3, 0.2), Vec3::new(0.2, 0.3, 0.2))],
+        boundaries: vec![Boundary::open_box(Vec3::new(0.4, 0.8, 0.4), Vec3::new(0.2, 0.4, 0.2))],
+        ..FluidScene::with_spacing(0.05)
+    };
+    scene.settings.pressure_solver = PressureSolver::PositionBased(PositionBased { iterations, softness: 0.05 });
+    scene
+}
+
+/// The same as a slab that repeats itself along x.
+fn slab(iterations: u32) -> FluidScene {
+    let mut scene = column(iterations);
+    let open = [true, true, false, true, false, false];
+    let box_of = BoundaryShape::Container { half_extents: Vec3::new(0.2, 0.4, 0.2), open };
+    scene.boundaries = vec![Boundary::new(box_of, Vec3::new(0.2, 0.4, 0.2))];
+    scene.periodic = Periodic { x: Some((0.0, 0.4)), y: None, z: None };
+    scene
+}
+
+fn stirred(plan: &Plan, last_substep: f32) -> Snapshot {
+    let mut state = 7u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 16_777_216.0 - 0.5
+    };
+    let count = plan.positions.len();
+    let mut vector = |scale: f32| scale * Vec3::new(random(), random(), random());
+    Snapshot {
+        next_id: count as u32,
+        gravity: plan.parameters.gravity,
+        ids: (0..count as u32).collect(),
+        positions: plan.positions.iter().map(|&x| plan.grid.periodic.wrap(x + vector(0.02))).collect(),
+        velocities: plan.positions.iter().map(|_| vector(2.0)).collect(),
+        remaining_lives: vec![f32::INFINITY; count],
+        last_substep,
+        ..Snapshot::default()
+    }
+}
+
+#[test]
+fn particles_are_moved_as_sums_over_all_pairs_say() {
+    for (kernel, iterations, instruction_set) in [
+        (KernelKind::WendlandC2, 1, InstructionSet::Widest),
+        (KernelKind::WendlandC2, 4, InstructionSet::Widest),
+        (KernelKind::CubicSpline, 3, InstructionSet::Scalar),
+    ] {
+        for mut scene in [column(iterations), slab(iterations)] {
+            scene.settings.kernel = kernel;
+            let plan = Plan::new(&scene).unwrap();
+            let (start, dt) = (stirred(&plan, 2e-3), 2e-3);
+            let mut solver = solver_of(&plan, instruction_set);
+            solver.restore(&start).unwrap();
+            solver.step(&StepInput::default()).unwrap();
+            let after = solver.snapshot().unwrap();
+            let ids = solver.read(Field::Id).unwrap().integers().unwrap();
+            let by_id =
+                |solver: &mut CpuSolver, field| solver.read(field).unwrap().sorted_by_id(&ids).scalars().unwrap();
+            let (pressure, density) = (by_id(&mut solver, Field::Pressure), by_id(&mut solver, Field::Density));
+            let (places, pushes) = moved(&plan, &start.positions);
+            let ways: Vec<DVec3> =
+                places.iter().zip(&start.positions).map(|(x, start)| *x - start.as_dvec3()).collect();
+            let farthest = ways.iter().map(|way| way.length()).fold(0.0, f64::max);
+            let hardest = pushes.iter().copied().fold(0.0, f64::max);
+            assert!(farthest > 1e-3, "{farthest}");
+            for (a, way) in ways.iter().enumerate() {
+                // Rounding of positions of up to a metre, and of sums of some thirty terms.
+                let change = (after.velocities[a] - start.velocities[a]).as_dvec3();
+                let allowed = 1.2e-7 + 2e-5 * farthest;
+                assert!(
+                    (change * dt).distance(*way) < allowed,
+                    "{kernel:?} {iterations}, {a}: {} not {way}",
+                    change * dt
+                );
+                let found = plan.grid.periodic.nearest(after.positions[a] - start.positions[a]).as_dvec3();
+                assert!(found.distance(*way) < allowed, "{kernel:?} {iterations}, {a}: {found} not {way}");
+                let expected = pushes[a] / (dt * dt) * f64::from(density[a]).powi(2);
+                let scale = hardest / (dt * dt) * 1e6;
+                assert!(
+                    (f64::from(pressure[a]) - expected).abs() < 1e-4 * scale,
+                    "{a}: {} Pa not {expected}",
+                    pressure[a]
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn fluid_alone_keeps_its_momentum() {
+    let mut scene = column(5);
+    scene.boundaries.clear();
+    scene.gravity = Vec3::ZERO;
+    scene.settings.expected_speed = Some(2.0);
+    let plan = Plan::new(&scene).unwrap();
+    let start = stirred(&plan, 2e-3);
+    let mut solver = solver_of(&plan, InstructionSet::default());
+    solver.restore(&start).unwrap();
+    solver.step(&StepInput::default()).unwrap();
+    let end = solver.snapshot().unwrap();
+    let changes: Vec<DVec3> = end.velocities.iter().zip(&start.velocities).map(|(v, u)| (*v - *u).as_dvec3()).collect();
+    let (sum, sizes) = (changes.iter().sum::<DVec3>(), changes.iter().map(|change| change.length()).sum::<f64>());
+    // Differences of positions have 6e-8 m of rounding each, over 2 ms; they add up at random.
+    assert!(sizes > 10.0 && sum.length() < 1e-6 * sizes + 3e-5 * (changes.len() as f64).sqrt(), "{sum} of {sizes}");
+}
+
+/// Mean pressure of the lowest layer over that of its depth, and depth of the column over that at the start, after two seconds.
+fn at_rest(iterations: u32, duration: f32) -> [f64; 2] {
+    let mut scene = column(iterations);
+    scene.settings.artificial_viscosity = 0.1;
+    let mut solver = solver_of(&Plan::new(&scene).unwrap(), InstructionSet::default());
+    let (mut pressure, mut heights, mut count) = (0.0, 0.0, 0.0);
+    let ticks = (2.0 / duration) as u64;
+    for tick in 0..ticks {
+        solver.step(&StepInput { tick, duration, ..StepInput::default() }).unwrap();
+        if tick >= ticks * 3 / 4 {
+            let positions = solver.read(Field::Position).unwrap().vectors().unwrap();
+            let pressures = solver.read(Field::Pressure).unwrap().scalars().unwrap();
+            heights += positions.iter().map(|x| f64::from(x.y)).sum::<f64>() / positions.len() as f64;
+            let mut order: Vec<usize> = (0..positions.len()).collect();
+            order.sort_by(|&a, &b| positions[a].y.total_cmp(&positions[b].y));
+            pressure += order[..64].iter().map(|&a| f64::from(pressures[a])).sum::<f64>() / 64.0;
+            count += 1.0;
+        }
+    }
+    // The lowest layer is half a spacing off the floor.
+    [pressure / count / (1000.0 * 9.81 * 0.575), heights / count / 0.3]
+}
+
+/// Pressure is that of the weight whatever the iterations; how far the column sinks in for it is theirs, and the step's.
+#[test]
+fn a_column_has_the_pressure_of_its_depth_and_is_as_soft_as_its_iterations() {
+    let [few, many, short] = [at_rest(2, 1.0 / 120.0), at_rest(20, 1.0 / 120.0), at_rest(2, 1.0 / 480.0)];
+    for [pressure, _] in [few, many, short] {
+        assert!((pressure - 1.0).abs() < 0.1, "{few:?} {many:?} {short:?}");
+    }
+    let sunk = |[_, height]: [f64; 2]| 1.0 - height;
+    assert!(
+        sunk(few) > 0.02 && sunk(many) < 0.3 * sunk(few) && sunk(short) < 0.3 * sunk(few),
+        "{few:?} {many:?} {short:?}"
+    );
+}
+
+#[test]
+fn a_run_goes_on_from_a_snapshot_as_if_it_had_not_ended() {
+    let plan = Plan::new(&column(3)).unwrap();
+    let [mut whole, mut first, mut second] = [(); 3].map(|()| solver_of(&plan, InstructionSet::default()));
+    for tick in 0..6 {
+        whole.step(&StepInput { tick, duration: 0.01, ..StepInput::default() }).unwrap();
+    }
+    for tick in 0..3 {
+        first.step(&StepInput { tick, duration: 0.01, ..StepInput::default() }).unwrap();
+    }
+    second.restore(&first.snapshot().unwrap()).unwrap();
+    for tick in 3..6 {
+        second.step(&StepInput { tick, duration: 0.01, ..StepInput::default() }).unwrap();
+    }
+    assert!(whole.snapshot().unwrap() == second.snapshot().unwrap());
+}

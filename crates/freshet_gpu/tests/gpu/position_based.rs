@@ -1,0 +1,124 @@
+//! Position-based fluids: iterations of the shipped shaders against sums over all pairs.
+
+use freshet_core::prelude::*;
+use freshet_gpu::{GpuOptions, GpuSolver};
+use glam::DVec3;
+
+use crate::common::{dam_break, random_vector, solver, solver_with, tick};
+use crate::moved::moved;
+
+fn scene(iterations: u32) -> FluidScene {
+    let mut scene = dam_break(0.1);
+    scene.settings.pressure_solver = PressureSolver::PositionBased(PositionBased { iterations, softness: 0.05 });
+    scene
+}
+
+/// The same as a slab that repeats itself along x, without any viscosity.
+fn slab(iterations: u32) -> FluidScene {
+    let mut scene = scene(iterations);
+    let open = [true, true, false, true, false, false];
+    let box_of = BoundaryShape::Container { half_extents: Vec3::new(0.25, 0.4, 0.25), open };
+    scene.boundaries = vec![Boundary::new(box_of, Vec3::new(0.25, 0.4, 0.25))];
+    scene.periodic = Periodic { x: Some((-0.2, 0.7)), y: None, z: None };
+    scene.settings.artificial_viscosity = 0.0;
+    scene
+}
+
+fn stirred(plan: &Plan) -> Snapshot {
+    let count = plan.positions.len();
+    let places = plan.positions.iter().enumerate();
+    Snapshot {
+        next_id: count as u32,
+        gravity: plan.parameters.gravity,
+        ids: (0..count as u32).collect(),
+        positions: places.map(|(index, &x)| x + 0.04 * random_vector(index, 1)).collect(),
+        velocities: (0..count).map(|index| 2.0 * random_vector(index, 2)).collect(),
+        remaining_lives: vec![f32::INFINITY; count],
+        last_substep: DT,
+        ..Default::default()
+    }
+}
+
+const DT: f32 = 2e-3;
+
+/// The largest errors of ways, by positions and by velocities, over the longest way; and of pressures over the largest.
+fn errors(solver: &mut GpuSolver) -> [f64; 3] {
+    let plan = solver.plan().clone();
+    let start = stirred(&plan);
+    solver.restore(&start).unwrap();
+    solver.step(&tick(0, 0.0)).unwrap();
+    let after = solver.snapshot().unwrap();
+    let ids = solver.read(Field::Id).unwrap().integers().unwrap();
+    let mut by_id = |field| solver.read(field).unwrap().sorted_by_id(&ids).scalars().unwrap();
+    let (pressure, density) = (by_id(Field::Pressure), by_id(Field::Density));
+    let (places, pushes) = moved(&plan, &start.positions);
+    let ways: Vec<DVec3> = places.iter().zip(&start.positions).map(|(x, start)| *x - start.as_dvec3()).collect();
+    let farthest = ways.iter().map(|way| way.length()).fold(0.0, f64::max);
+    let dt = f64::from(DT);
+    let hardest = pushes.iter().copied().fold(0.0, f64::max) / (dt * dt) * 1e6;
+    assert!(farthest > 1e-3 && hardest > 1.0, "{farthest} {hardest}");
+    let mut worst = [0.0f64; 3];
+    for (a, way) in ways.iter().enumerate() {
+        let went = plan.grid.periodic.nearest(after.positions[a] - start.positions[a]).as_dvec3();
+        let change = (after.velocities[a] - start.velocities[a]).as_dvec3() * dt;
+        let expected = pushes[a] / (dt * dt) * f64::from(density[a]).powi(2);
+        let found = [
+            went.distance(*way) / farthest,
+            change.distance(*way) / farthest,
+            (f64::from(pressure[a]) - expected).abs() / hardest,
+        ];
+        worst.iter_mut().zip(found).for_each(|(worst, found)| *worst = worst.max(found));
+    }
+    worst
+}
+
+/// Positions are rounded to 3e-8 m of some centimetres' ways.
+const TOLERANCE: f64 = 1e-4;
+
+#[test]
+fn particles_are_moved_as_sums_over_all_pairs_say() {
+    for (kernel, iterations) in [(KernelKind::WendlandC2, 1), (KernelKind::WendlandC2, 4), (KernelKind::CubicSpline, 3)]
+    {
+        for mut scene in [scene(iterations), slab(iterations)] {
+            scene.settings.kernel = kernel;
+            let found = errors(&mut solver(&scene));
+            assert!(found.iter().all(|&error| error < TOLERANCE), "{kernel:?} {iterations}: {found:?}");
+        }
+    }
+    for patch in [
+        ("relaxation * excess / stiffness", "relaxation * 1.001 * excess / stiffness"),
+        ("own.push * sums.samples", "1.01 * own.push * sums.samples"),
+        ("fields::set_motion(a, fields::place(a))", "fields::set_motion(a, fields::place(a) * 1.001)"),
+        ("rate = select(0.0, 1.0 /", "rate = select(0.0, 0.999 /"),
+    ] {
+        let found = errors(&mut solver_with(&scene(4), GpuOptions { patch: Some(patch), ..Default::default() }));
+        assert!(found.iter().any(|&error| error > TOLERANCE), "{patch:?} makes errors of {found:?} only");
+    }
+}
+
+#[test]
+fn a_run_goes_on_from_a_snapshot_as_if_it_had_not_ended() {
+    let scene = scene(3);
+    let [mut whole, mut first, mut second] = [(); 3].map(|()| solver(&scene));
+    for number in 0..6 {
+        whole.step(&tick(number, 0.02)).unwrap();
+    }
+    for number in 0..3 {
+        first.step(&tick(number, 0.02)).unwrap();
+    }
+    second.restore(&first.snapshot().unwrap()).unwrap();
+    for number in 3..6 {
+        second.step(&tick(number, 0.02)).unwrap();
+    }
+    assert!(whole.snapshot().unwrap() == second.snapshot().unwrap());
+}
+
+#[test]
+fn iterations_cost_time_and_no_memory() {
+    let [few, many] = [1, 50].map(|iterations| solver(&scene(iterations)));
+    assert_eq!(few.schedule().bytes(), many.schedule().bytes());
+    assert_eq!(few.schedule().bytes(), few.allocated_bytes());
+    let other = solver(&dam_break(0.1));
+    assert!(other.shader("displace").is_none());
+    assert!(other.schedule().buffers.iter().all(|buffer| buffer.name != "places"));
+}

@@ -1,0 +1,215 @@
+// Particles are moved apart where they would be too dense without pressure (freshet_core::position_based): `position_begin`, then in each iteration
+// `multiply`: P_a = omega max(rho_a/rho0 - 1, 0) / (max(K_a, least) + softness), times dt^2, `displace`: x_a += a_a(P), and `follow`, which lets the others see it; then
+// `position_finish`: v += (x - x*) / dt. The b come from the bits that the density pass left for x*, where the sorted positions stay, see library/hits.wgsl.
+
+#import freshet::bindings as fields
+#import freshet::grid
+#import freshet::hits
+#import freshet::kernels
+#import freshet::threads
+
+#ifdef POSITION_BEGIN
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn position_begin(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        let position = fields::sorted_position(a);
+        fields::begin_place(a, position, fields::hits_of_own_row(a));
+        fields::set_motion(a, position);
+    }
+}
+#endif
+
+#ifdef FOLLOW
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn follow(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        fields::set_motion(a, fields::place(a));
+    }
+}
+#endif
+
+#ifdef MULTIPLY
+struct Own {
+    position: vec3<f32>,
+    inverse_radius: f32,
+}
+
+struct Sums {
+    // sum_b W_ab and sum_b F x_ab, the same over samples with their volumes, sum_b |F x_ab|^2
+    fluid: f32,
+    samples: f32,
+    gradient: vec3<f32>,
+    sample_gradient: vec3<f32>,
+    squares: f32,
+}
+
+fn own_of(a: u32) -> Own {
+    return Own(fields::place(a), fields::parameters.inverse_support_radius);
+}
+
+fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, fields::motion(b));
+    let q = length(x) * own.inverse_radius;
+    let along = kernels::slope_over_q(q) * x;
+    (*sums).fluid += kernels::shape(q);
+    (*sums).gradient += along;
+    (*sums).squares += dot(along, along);
+}
+
+fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, sample.position);
+    let q = length(x) * own.inverse_radius;
+    (*sums).samples += sample.weight * kernels::shape(q);
+    (*sums).sample_gradient += sample.weight * kernels::slope_over_q(q) * x;
+}
+#endif
+
+#ifdef DISPLACE
+struct Own {
+    position: vec3<f32>,
+    inverse_radius: f32,
+    push: f32,
+}
+
+struct Sums {
+    // sum_b (P_a + P_b) F x_ab, and sum_k V_k F x_ak
+    fluid: vec3<f32>,
+    samples: vec3<f32>,
+}
+
+fn own_of(a: u32) -> Own {
+    return Own(fields::place(a), fields::parameters.inverse_support_radius, fields::push(a));
+}
+
+fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, fields::motion(b));
+    (*sums).fluid += ((own.push + fields::push(b)) * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+}
+
+fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, sample.position);
+    (*sums).samples += (sample.weight * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+}
+#endif
+
+#ifndef POSITION_BEGIN
+#ifndef FOLLOW
+#ifndef POSITION_FINISH
+fn sums_of(own: Own, a: u32) -> Sums {
+    // Of where it was sorted.
+    let start = fields::sorted_position(a);
+    let center = grid::cell_of(start);
+    let extent = grid::shape();
+    let squared_radius = fields::parameters.squared_support_radius;
+#ifdef WALLS
+    let wall_starts = fields::parameters.wall_starts;
+#endif
+    var sums: Sums;
+    for (var row = 0u; row < 9u; row++) {
+        var found = 0u;
+        if (row == hits::OWN_ROW) {
+            found = fields::place_own_row(a);
+        } else {
+            found = fields::hits_of(a, hits::word_of(row));
+        }
+        if (hits::is_empty(found)) {
+            continue;
+        }
+        let cells = grid::cells_of(extent, center, row, found & hits::BEGIN, grid::ROW_CELLS);
+        let around = grid::open_row_of(0u, cells);
+        for (var places = hits::places_of(found); places != 0u; places &= places - 1u) {
+            add_particle(own, grid::member(around, hits::first_of(places)), &sums);
+        }
+        if ((found & hits::MORE) != 0u) {
+            let all = grid::row_of(0u, cells);
+            for (var t = hits::PLACES; t < all.count; t++) {
+                let b = grid::member(around, t);
+                let apart = grid::difference(start, fields::sorted_position(b));
+                if (b != a && dot(apart, apart) < squared_radius) {
+                    add_particle(own, b, &sums);
+                }
+            }
+        }
+#ifdef WALLS
+        if ((found & hits::SAMPLES) != 0u) {
+            let walls = grid::row_of(wall_starts, cells);
+            for (var t = 0u; t < walls.count; t++) {
+                let sample = fields::sample(grid::member(walls, t));
+                let apart = grid::difference(start, sample.position);
+                if (dot(apart, apart) < squared_radius) {
+                    add_sample(own, sample, &sums);
+                }
+            }
+        }
+#endif
+    }
+    return sums;
+}
+#endif
+#endif
+#endif
+
+#ifdef MULTIPLY
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn multiply(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a >= fields::control.live) {
+        return;
+    }
+    let sums = sums_of(own_of(a), a);
+    // The bits leave out the particle itself.
+    var density = fields::parameters.fluid_density_scale * (sums.fluid + kernels::shape(0.0));
+    var gradient = sums.gradient;
+#ifdef WALLS
+    density += fields::parameters.sample_density_scale * sums.samples;
+    gradient += fields::parameters.number_density * sums.sample_gradient;
+#endif
+    let excess = max(density * fields::parameters.inverse_rest_density - 1.0, 0.0);
+    let diagonal = fields::parameters.diagonal_scale * (dot(gradient, gradient) + sums.squares);
+    let stiffness = max(diagonal, fields::parameters.least_diagonal) + fields::parameters.softness;
+    let push = fields::parameters.relaxation * excess / stiffness;
+    // Before there was a substep nothing has come from anywhere.
+    fields::set_push(a, select(0.0, push, fields::control.last_substep > 0.0));
+}
+#endif
+
+#ifdef DISPLACE
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn displace(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a >= fields::control.live) {
+        return;
+    }
+    let own = own_of(a);
+    let sums = sums_of(own, a);
+    var way = fields::parameters.fluid_force_scale * sums.fluid;
+#ifdef WALLS
+    way += fields::parameters.sample_force_scale * own.push * sums.samples;
+#endif
+    fields::set_place(a, own.position - way);
+}
+#endif
+
+#ifdef POSITION_FINISH
+var<workgroup> group_speed: atomic<u32>;
+
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn position_finish(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        let dt = fields::control.last_substep;
+        let rate = select(0.0, 1.0 / max(dt, 1e-30), dt > 0.0);
+        let velocity = fields::velocity_before(a) + (fields::place(a) - fields::sorted_position(a)) * rate;
+        let density = fields::density(a);
+        fields::set_density(a, density, fields::sum_of_pushes(a) * rate * rate);
+        fields::set_velocity_and_density(a, velocity, density);
+        atomicMax(&group_speed, threads::ordered_bits(length(velocity)));
+    }
+    workgroupBarrier();
+    if (local == 0u) {
+        atomicMax(&fields::control.max_speed, atomicLoad(&group_speed));
+    }
+}
+#endif
