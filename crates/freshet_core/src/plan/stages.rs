@@ -23,6 +23,8 @@ pub enum StageKind {
     BodyDensity,
     /// Acceleration by pressure, viscosity and gravity.
     Acceleration,
+    /// What walls push by forces of their own.
+    WallForce,
     /// How fluid sticks to bodies and drags them along.
     BodyDrag,
     /// Force and torque of the fluid on each body.
@@ -53,6 +55,7 @@ impl StageKind {
             StageKind::Density => "density",
             StageKind::BodyDensity => "body_density",
             StageKind::Acceleration => "acceleration",
+            StageKind::WallForce => "wall_force",
             StageKind::BodyDrag => "body_drag",
             StageKind::BodyLoad => "body_load",
             StageKind::StepControl => "step_control",
@@ -96,7 +99,8 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         PressureSolver::WeaklyCompressible => None,
         PressureSolver::DivergenceFree(solver) => Some(solver),
     };
-    let others = match (walls, bodies.is_empty()) {
+    let method = scene.settings.wall_method;
+    let others = match (walls && method.is_in_sums(), bodies.is_empty()) {
         (false, true) => "fluid only",
         (true, true) => "fluid and walls",
         (false, false) => "fluid and bodies",
@@ -122,6 +126,13 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         (false, Some(_)) => ", the material's viscosity and gravity",
     };
     add(StageKind::Acceleration, &format!("{pressure}{rest}"));
+    if walls && method.is_force() {
+        let name = method.name();
+        add(
+            StageKind::WallForce,
+            &format!("settings.wall_method is {name}: walls push by it alone, and fluid slips along them"),
+        );
+    }
     if let Some(model) = scene.physical_viscosity().filter(|_| !bodies.is_empty()) {
         add(StageKind::BodyDrag, &format!("fluid sticks to bodies by the material's viscosity ({})", model.name()));
     }

@@ -81,8 +81,8 @@ wgsl_struct! {
         courant_factor: f32,
         /// Step over sqrt(h / a).
         force_factor: f32,
-        /// Longest step that viscosity allows, s.
-        viscous_limit: f32,
+        /// Longest step that viscosity and springs of walls allow, s.
+        steady_limit: f32,
         /// Most time that one tick leaves to the next, s.
         longest_tick: f32,
         /// Most substeps in a tick.
@@ -159,6 +159,14 @@ wgsl_struct! {
         particle_mass: f32,
         /// 2 mu d: what a sample of a body is dragged by, N s/m.
         sample_drag: f32,
+        /// d, m: of walls that push by themselves.
+        wall_spacing: f32,
+        /// How hard they push: m2/s2, of a spring 1/s2.
+        wall_strength: f32,
+        /// How much a spring takes of velocities, 1/s.
+        wall_damping: f32,
+        /// Unused.
+        pad_end: u32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.

@@ -67,7 +67,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 29] = [
+pub const CASES: [&Case; 30] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -80,6 +80,7 @@ pub const CASES: [&Case; 29] = [
     &cases::deep_column::CASE,
     &cases::deep_column::DIVERGENCE_FREE,
     &cases::calm::CASE,
+    &cases::walls::CASE,
     &cases::draft::CASE,
     &cases::light_and_heavy::CASE,
     &cases::added_mass::CASE,
