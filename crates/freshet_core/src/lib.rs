@@ -35,6 +35,7 @@ pub mod step;
 pub mod swelling;
 pub mod variable_support;
 pub mod viscosity;
+pub mod wall_method;
 pub mod work;
 pub mod xsph;
 
@@ -65,5 +66,6 @@ pub mod prelude {
     pub use crate::solver::{FluidSolver, Schedule, SolverError};
     pub use crate::step::{BodyInput, Command, Impulse, NewParticles, StepInput, StepReport};
     pub use crate::viscosity::ViscosityModel;
+    pub use crate::wall_method::{SpringDamper, WallMethod};
     pub use glam::{Mat3, Quat, Vec3};
 }

@@ -27,6 +27,7 @@ use crate::sampling::wall_layer::WallLayer;
 use crate::solid::Solid;
 use crate::variable_support;
 use crate::viscosity::ViscosityModel;
+use crate::wall_method::WallMethod;
 
 /// A fluid, what holds it, what floats in it, and how it is to be simulated. SI units throughout.
 ///
@@ -304,6 +305,8 @@ pub struct Settings {
     pub relaxation: Option<Relaxation>,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
     pub viscosity_model: Option<ViscosityModel>,
+    /// How walls act on the fluid; another method than the default for weakly compressible fluids only. See [`wall_method`](crate::wall_method).
+    pub wall_method: WallMethod,
     /// How accelerations become velocities and positions. An incompressible fluid has a way of its own, and takes the default only. Forward Euler and
     /// the position-corrected Beeman are refused: under them every oscillation grows, as `freshet_lab integrators` shows.
     pub integrator: Integrator,
@@ -346,6 +349,7 @@ impl Default for Settings {
             widest_support: 1.0,
             relaxation: None,
             viscosity_model: None,
+            wall_method: WallMethod::default(),
             integrator: Integrator::default(),
             courant_factor: 0.4,
             force_factor: 0.25,
@@ -406,6 +410,9 @@ impl Settings {
         if self.density.is_carried() {
             return Err(InvalidInput::new("density", self.density.name(), allowed));
         }
+        if !self.wall_method.is_in_sums() {
+            return Err(InvalidInput::new("wall_method", self.wall_method.name(), allowed));
+        }
         Ok(())
     }
 
@@ -462,6 +469,7 @@ impl Settings {
             return Err(InvalidInput::new("pressure_force", self.pressure_force.name(), allowed));
         }
         self.check_density()?;
+        self.wall_method.validate().map_err(|error| error.inside("wall_method"))?;
         if let Some(relaxation) = &self.relaxation {
             relaxation.validate().map_err(|error| error.inside("relaxation"))?;
         }

@@ -116,6 +116,7 @@ impl Work {
             }
             // Of particles beside such walls only.
             StageKind::Friction
+            | StageKind::WallForce
             | StageKind::BodySort
             | StageKind::BodyDensity
             | StageKind::BodyDrag

@@ -10,6 +10,7 @@ use freshet_core::plan::{Plan, StageKind};
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::solver::SolverError;
 use freshet_core::variable_support::EVALUATIONS;
+use freshet_core::wall_method::{Plane, WallMethod};
 use freshet_shaders::library;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 use wgpu::naga;
@@ -56,9 +57,11 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("HISTORY_WORDS", history_words(plan) as u32);
     number("PAST_WORDS", past_words(plan) as u32);
     number("WIDTH_EVALUATIONS", EVALUATIONS);
+    number("WALL_LATERAL_PERCENT", (100.0 * Plane::LATERAL_REACH).round() as u32);
+    number("WALL_REACH_PERCENT", (100.0 * Plane::REACH).round() as u32);
 
     let mut set = |name: &str| definitions.insert(name.to_owned(), ShaderDefValue::Bool(true));
-    let walls = !plan.boundary.positions.is_empty();
+    let walls = plan.sums_walls();
     let bodies = !plan.bodies.is_empty();
     let drag = WallDrag::of(plan);
     for (name, condition) in [
@@ -85,6 +88,10 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("POSITION_BASED", plan.has(StageKind::PositionSolve)),
         ("LAST_SUBSTEP", parameters.density.is_carried() || plan.has(StageKind::PositionSolve)),
         ("SPEEDS_OF_STATE", !incompressible(plan) && !plan.has(StageKind::PositionSolve)),
+        ("WALL_LENNARD_JONES", parameters.wall_method == WallMethod::LennardJones),
+        ("WALL_KERNEL_FORCING", parameters.wall_method == WallMethod::KernelForcing),
+        ("WALL_MONAGHAN", parameters.wall_method == WallMethod::MonaghanRepulsion),
+        ("WALL_SPRINGS", matches!(parameters.wall_method, WallMethod::SpringDamper(_))),
         ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),
     ] {
         if condition {

@@ -12,6 +12,8 @@ use freshet_core::relaxation::Relaxation;
 use freshet_core::scene::{Settings, Support};
 use freshet_core::viscosity::ViscosityModel;
 
+use super::wall_method::FluidWallMethod;
+
 /// How a fluid is simulated. The defaults are those of every chart and benchmark of Freshet.
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[reflect(Default, Clone, Debug, PartialEq)]
@@ -48,6 +50,8 @@ pub struct FluidSettings {
     pub relaxation: Option<FluidRelaxation>,
     /// How the fluid's [`dynamic_viscosity`](super::material::Fluid::dynamic_viscosity) acts, beside the artificial one; none leaves it out.
     pub viscosity_model: Option<FluidViscosityModel>,
+    /// How walls act on the fluid; an incompressible fluid takes the default only.
+    pub wall_method: FluidWallMethod,
     /// How accelerations become velocities and positions; an incompressible fluid takes the default only, and
     /// [`FluidIntegrator::ForwardEuler`] and [`FluidIntegrator::PositionCorrectedBeeman`] are refused.
     pub integrator: FluidIntegrator,
@@ -90,6 +94,7 @@ impl FluidSettings {
             widest_support: settings.widest_support,
             relaxation: settings.relaxation.map(Into::into),
             viscosity_model: settings.viscosity_model.map(Into::into),
+            wall_method: settings.wall_method.into(),
             integrator: settings.integrator.into(),
             courant_factor: settings.courant_factor,
             force_factor: settings.force_factor,
@@ -118,6 +123,7 @@ impl FluidSettings {
             widest_support: self.widest_support,
             relaxation: self.relaxation.map(Into::into),
             viscosity_model: self.viscosity_model.map(Into::into),
+            wall_method: self.wall_method.into(),
             integrator: self.integrator.into(),
             courant_factor: self.courant_factor,
             force_factor: self.force_factor,

@@ -27,6 +27,8 @@ pub enum StageKind {
     BodyDensity,
     /// Acceleration by pressure, viscosity and gravity.
     Acceleration,
+    /// What walls push by forces of their own.
+    WallForce,
     /// How fluid sticks to bodies and drags them along.
     BodyDrag,
     /// Force and torque of the fluid on each body.
@@ -58,6 +60,7 @@ impl StageKind {
             StageKind::PositionSolve => "position_solve",
             StageKind::BodyDensity => "body_density",
             StageKind::Acceleration => "acceleration",
+            StageKind::WallForce => "wall_force",
             StageKind::BodyDrag => "body_drag",
             StageKind::BodyLoad => "body_load",
             StageKind::StepControl => "step_control",
@@ -105,7 +108,8 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         PressureSolver::PositionBased(solver) => Some(solver),
         PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => None,
     };
-    let others = match (walls, bodies.is_empty()) {
+    let method = scene.settings.wall_method;
+    let others = match (walls && method.is_in_sums(), bodies.is_empty()) {
         (false, true) => "fluid only",
         (true, true) => "fluid and walls",
         (false, false) => "fluid and bodies",
@@ -144,6 +148,13 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         (false, Some(_)) => ", the material's viscosity and gravity",
     };
     add(StageKind::Acceleration, &format!("{pressure}{rest}"));
+    if walls && method.is_force() {
+        let name = method.name();
+        add(
+            StageKind::WallForce,
+            &format!("settings.wall_method is {name}: walls push by it alone, and fluid slips along them"),
+        );
+    }
     if let Some(model) = scene.physical_viscosity().filter(|_| !bodies.is_empty()) {
         add(StageKind::BodyDrag, &format!("fluid sticks to bodies by the material's viscosity ({})", model.name()));
     }

@@ -81,8 +81,8 @@ wgsl_struct! {
         courant_factor: f32,
         /// Step over sqrt(h / a).
         force_factor: f32,
-        /// Longest step that viscosity allows, s.
-        viscous_limit: f32,
+        /// Longest step that viscosity and springs of walls allow, s.
+        steady_limit: f32,
         /// Most time that one tick leaves to the next, s.
         longest_tick: f32,
         /// Most substeps in a tick.
@@ -163,10 +163,18 @@ wgsl_struct! {
         least_excess: f32,
         /// What the position-based solver adds to `K`.
         softness: f32,
+        /// d, m: of walls that push by themselves.
+        wall_spacing: f32,
+        /// How hard they push: m2/s2, of a spring 1/s2.
+        wall_strength: f32,
+        /// How much a spring takes of velocities, 1/s.
+        wall_damping: f32,
         /// Uniforms are multiples of 16 bytes.
         pad_a: u32,
         /// See above.
         pad_b: u32,
+        /// See above.
+        pad_c: u32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.
