@@ -210,10 +210,9 @@ mod tests {
     #[test]
     fn the_table_is_a_front_and_the_presets_are_on_it() {
         assert!(MEASURED.is_sorted_by(|a, b| a.cost < b.cost && a.error > b.error), "{MEASURED:?}");
-        for preset in [&FAST, &BALANCED, &ACCURATE] {
-            assert!(MEASURED.contains(preset), "{preset:?}");
-        }
-        assert!(FAST.cost <= BALANCED.cost && BALANCED.cost <= ACCURATE.cost);
+        let presets = [FAST, BALANCED, ACCURATE];
+        assert!(presets.iter().all(|preset| MEASURED.contains(preset)), "{presets:?}");
+        assert!(presets.is_sorted_by(|a, b| a.cost <= b.cost), "{presets:?}");
         assert_eq!(MEASURED.last(), Some(&ACCURATE));
     }
 

@@ -160,7 +160,7 @@ fn judge(args: &ParetoArgs, output: &Output, jobs: &[Job], points: &mut Vec<Poin
 }
 
 /// Runs what is on the front on the scene that took no part.
-fn hold_out(args: &ParetoArgs, output: &Output, points: &mut Vec<Point>) -> Result<(), LabError> {
+fn hold_out(args: &ParetoArgs, output: &Output, points: &mut [Point]) -> Result<(), LabError> {
     let cap = Duration::from_secs(args.cap.into());
     let on_front = front(points, Backend::Cpu).into_iter().filter(|point| point.held_out.is_none());
     let job =
