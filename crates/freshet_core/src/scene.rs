@@ -15,6 +15,7 @@ use crate::density_form::DensityForm;
 use crate::emitter::Emitter;
 use crate::equation_of_state::EquationOfState;
 use crate::error::{InvalidInput, check_finite, check_range};
+use crate::fidelity::FluidFidelity;
 use crate::integrator::Integrator;
 use crate::kernel::KernelKind;
 use crate::material::Material;
@@ -267,6 +268,9 @@ pub enum Support {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
+    /// How accurate the fluid is to be; chooses the other settings that say how it is simulated, which then have to be at their defaults. None: these
+    /// settings as they are.
+    pub fidelity: Option<FluidFidelity>,
     /// Smoothing kernel.
     pub kernel: KernelKind,
     /// Reach of the kernel.
@@ -333,6 +337,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            fidelity: None,
             kernel: KernelKind::WendlandC2,
             support: Support::Ratio(2.0),
             pressure_solver: PressureSolver::WeaklyCompressible,
@@ -437,6 +442,7 @@ impl Settings {
     }
 
     fn validate(&self) -> Result<(), InvalidInput> {
+        self.check_fidelity()?;
         match self.support {
             Support::Ratio(ratio) => check_range("support", ratio, 1.5, 4.0, "spacings")?,
             Support::Neighbours(count) => check_range("support", count, 14.0, 270.0, "neighbours")?,

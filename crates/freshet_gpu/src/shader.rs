@@ -32,6 +32,14 @@ pub(crate) const MAX_WORKGROUPS: u32 = 65_535;
 
 pub(crate) type Definitions = HashMap<String, ShaderDefValue>;
 
+/// Whether the GPU solver has the methods of a plan, asked without a device.
+///
+/// # Errors
+/// [`SolverError::Unsupported`] names the first that it has not.
+pub fn check(plan: &Plan) -> Result<(), SolverError> {
+    definitions(plan, &GpuOptions::default()).map(|_| ())
+}
+
 /// What the plan and the options select in the shaders.
 pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitions, SolverError> {
     let parameters = &plan.parameters;

@@ -101,6 +101,9 @@ impl Plan {
     /// particles, or a speed of sound below ten times the expected speed without [`Settings::allow_compressible`](crate::scene::Settings::allow_compressible).
     pub fn new(scene: &FluidScene) -> Result<Self, SceneError> {
         scene.validate()?;
+        if let Some(plan) = scene.plan_of_fidelity()? {
+            return Ok(plan);
+        }
         let settings = &scene.settings;
         let mut notes = Vec::new();
         let spacing = spacing_of(scene);
