@@ -9,7 +9,7 @@ use freshet_lab::backend::Backend;
 use freshet_lab::commands::pareto::scenes::{CHOSEN_BY, HELD_OUT, Job};
 use freshet_lab::commands::pareto::{Failure, ParetoArgs, document, front, read, run, table_of_fidelity};
 use freshet_lab::error::LabError;
-use freshet_lab::options::CommonOptions;
+use freshet_lab::options::{BackendChoice, CommonOptions};
 use freshet_lab::output::Output;
 
 fn root() -> PathBuf {
@@ -89,10 +89,15 @@ fn the_quick_form_charts_cost_against_error_and_failures_as_failures() -> Result
         assert!(text(&folder.join(file))?.contains("dfsph"), "{file}");
     }
 
-    // A configuration by name replaces its own points only.
+    // A configuration by name replaces its own points only, and another backend none of them.
     let configurations = vec![Configuration::named("forward-euler")?];
-    run(&ParetoArgs { configurations, sources: None, ..args })?;
+    run(&ParetoArgs { configurations: configurations.clone(), sources: None, ..args.clone() })?;
     assert_eq!(read(&Output::new(&folder)?)?, points);
+    let common = CommonOptions { backend: Some(BackendChoice::Gpu), ..args.common.clone() };
+    run(&ParetoArgs { common, configurations, sources: None, ..args })?;
+    let both = read(&Output::new(&folder)?)?;
+    assert_eq!(both[..points.len()], points);
+    assert_eq!((both.len(), both[points.len()].backend), (points.len() + 1, Backend::Gpu));
     std::fs::remove_dir_all(&folder).map_err(LabError::file(&folder))
 }
 

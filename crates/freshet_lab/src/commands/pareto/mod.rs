@@ -49,7 +49,8 @@ pub struct ParetoArgs {
     /// Runs side by side on the CPU, one thread each.
     #[command(flatten)]
     pub threads: ThreadOption,
-    /// Configurations to run [default: all; quick: seven]. What pareto.csv in the folder holds of the others stays.
+    /// Configurations to run [default: all; quick: seven]. What pareto.csv in the folder holds of the others stays, and what it holds of
+    /// the other backend in any case.
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = configuration)]
     pub configurations: Vec<&'static Configuration>,
     /// Particles across the fluid [default: 12,24; quick: 12].
@@ -120,18 +121,14 @@ pub fn simulate(job: &Job) -> Result<Point, LabError> {
 /// Runs the command.
 pub fn run(args: &ParetoArgs) -> Result<Verdict, LabError> {
     let output = Output::new(&args.common.out)?;
-    let keeps = args.redraw || !args.configurations.is_empty();
-    let mut points = if keeps { read(&output)? } else { Vec::new() };
+    let mut points = read(&output)?;
     if !args.redraw {
         for &backend in args.common.backends(BackendChoice::Cpu) {
             let jobs = args.jobs(backend);
-            let is_new = |point: &Point| {
-                let is_of = |job: &Job| {
-                    (job.configuration, job.across, job.backend) == (point.configuration, point.across, point.backend)
-                };
-                jobs.iter().any(is_of)
-            };
-            points.retain(|point| !is_new(point));
+            let is_of =
+                |point: &Point, job: &Job| (job.configuration, job.across) == (point.configuration, point.across);
+            let stays = |point: &Point| !args.configurations.is_empty() && !jobs.iter().any(|job| is_of(point, job));
+            points.retain(|point| point.backend != backend || stays(point));
             judge(args, &output, &jobs, &mut points)?;
         }
         hold_out(args, &output, &mut points)?;
