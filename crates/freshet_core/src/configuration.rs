@@ -22,6 +22,10 @@ pub enum Family {
     PressureForce,
     /// Pressure as what keeps the fluid from being compressed.
     PressureSolver,
+    /// How densities are found.
+    Density,
+    /// How walls act on the fluid.
+    Walls,
     /// Smoothing kernel.
     Kernel,
     /// How many neighbours a particle has.
@@ -38,11 +42,13 @@ pub enum Family {
 
 impl Family {
     /// All, in the order of charts and tables.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::EquationOfState,
         Self::SpeedOfSound,
         Self::PressureForce,
         Self::PressureSolver,
+        Self::Density,
+        Self::Walls,
         Self::Kernel,
         Self::Neighbours,
         Self::Integrator,
@@ -58,6 +64,8 @@ impl Family {
             Self::SpeedOfSound => "speed of sound",
             Self::PressureForce => "pressure force",
             Self::PressureSolver => "pressure solver",
+            Self::Density => "density",
+            Self::Walls => "walls",
             Self::Kernel => "kernel",
             Self::Neighbours => "neighbours",
             Self::Integrator => "integrator",

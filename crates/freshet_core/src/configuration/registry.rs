@@ -2,12 +2,15 @@
 //! [`FluidFidelity`](crate::fidelity::FluidFidelity) chooses from, add it here.
 
 use super::{Configuration, Family};
+use crate::density_form::DensityForm;
 use crate::equation_of_state::EquationOfState;
 use crate::integrator::Integrator;
 use crate::kernel::KernelKind;
+use crate::position_based::PositionBased;
 use crate::pressure_force::PressureForce;
 use crate::pressure_solver::{DivergenceFree, PressureSolver};
 use crate::scene::{FluidScene, Support};
+use crate::wall_method::{SpringDamper, WallMethod};
 
 const fn of(
     family: Family,
@@ -25,6 +28,12 @@ fn divergence_free(scene: &mut FluidScene, tolerance: f32) {
     scene.settings.pressure_solver = PressureSolver::DivergenceFree(solver);
 }
 
+/// Position-based fluid of so many iterations a substep.
+fn position_based(scene: &mut FluidScene, iterations: u32) {
+    scene.settings.pressure_solver =
+        PressureSolver::PositionBased(PositionBased { iterations, ..PositionBased::default() });
+}
+
 /// A speed of sound of so many times the expected speed.
 fn sound(scene: &mut FluidScene, expected_speed: f32, times: f32) {
     scene.settings.sound_speed = Some(times * expected_speed);
@@ -37,8 +46,8 @@ fn linear(scene: &mut FluidScene, expected_speed: f32) {
 }
 
 use Family::{
-    Cohesion, EquationOfState as Equation, Integrator as Integration, Kernel, Neighbours, PressureForce as Force,
-    PressureSolver as Solver, SpeedOfSound, Step, Viscosity,
+    Cohesion, Density, EquationOfState as Equation, Integrator as Integration, Kernel, Neighbours,
+    PressureForce as Force, PressureSolver as Solver, SpeedOfSound, Step, Viscosity, Walls,
 };
 
 /// All, those of a family together; the first is [`Settings::default`](crate::scene::Settings::default).
@@ -219,6 +228,79 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         },
         "comparison with SPlisHSPlasH, whose kernel it is",
         "pairs of particles",
+    ),
+    of(
+        Solver,
+        "position-based",
+        |scene, _| position_based(scene, 4),
+        "fluid that bears any step, in as many iterations as it may cost (Macklin & Mueller 2013)",
+        "stiffness is that of iterations and step: deep water sinks in",
+    ),
+    of(
+        Solver,
+        "position-based-16",
+        |scene, _| position_based(scene, 16),
+        "four times as stiff",
+        "four times the iterations, still a spring",
+    ),
+    of(
+        Solver,
+        "position-based-short-steps",
+        |scene, _| {
+            position_based(scene, 4);
+            scene.settings.courant_factor = 0.1;
+        },
+        "stiffer by shorter steps",
+        "four times the substeps in fast flows, none the more in slow ones",
+    ),
+    of(
+        Density,
+        "adapted-density",
+        |scene, _| scene.settings.density = DensityForm::Adapted,
+        "fluids of several densities (Solenthaler & Pajarola 2008)",
+        "with one mass it is the sum: the same pass",
+    ),
+    of(
+        Density,
+        "continuity",
+        |scene, _| scene.settings.density = DensityForm::Continuity,
+        "free surfaces without a lack of density, jets",
+        "densities drift from where particles are, and never come back",
+    ),
+    of(
+        Density,
+        "adapted-continuity",
+        |scene, _| scene.settings.density = DensityForm::AdaptedContinuity,
+        "fluids of several densities, carried",
+        "with one mass it is continuity: the same pass",
+    ),
+    of(
+        Walls,
+        "lennard-jones",
+        |scene, _| scene.settings.wall_method = WallMethod::LennardJones,
+        "comparison with Monaghan 1994: walls that need no density",
+        "single samples are felt; fluid thins out towards walls",
+    ),
+    of(
+        Walls,
+        "kernel-forcing",
+        |scene, _| scene.settings.wall_method = WallMethod::KernelForcing,
+        "cheap walls (Pirovano 2011)",
+        "as strong as the speed that is expected, and no stronger",
+    ),
+    of(
+        Walls,
+        "monaghan-repulsion",
+        |scene, _| scene.settings.wall_method = WallMethod::MonaghanRepulsion,
+        "comparison with Becker, Tessendorf & Teschner 2009",
+        "fluid thins out towards walls, and stands off",
+    ),
+    of(
+        Walls,
+        "spring-damper",
+        |scene, _| scene.settings.wall_method = WallMethod::SpringDamper(SpringDamper::DEFAULT),
+        "terrain with friction (Krog 2010): smooth along the face",
+        "deep water sinks into the spring",
     ),
     of(
         Kernel,
