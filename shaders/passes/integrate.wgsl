@@ -3,20 +3,9 @@
 // that pass found, x += (v + e) dt; those of an incompressible fluid move by the trapezoidal rule, x += (v + lead a) dt.
 
 #import freshet::bindings as fields
+#import freshet::grid
 #import freshet::integrator
 #import freshet::threads
-
-#ifdef PERIODIC
-// What leaves a period through one end comes back through the other.
-fn wrapped(position: vec3<f32>) -> vec3<f32> {
-    let low = fields::parameters.period_low;
-    let high = fields::parameters.period_high;
-    let turns = floor((position - low) * fields::parameters.inverse_period);
-    let moved = position - fields::parameters.period * turns;
-    let image = select(low, moved, (moved >= low) & (moved < high));
-    return select(image, position, (position >= low) & (position < high));
-}
-#endif
 
 #ifdef HISTORIES
 // Keeps the substep; `motion` is what the particle moved with.
@@ -75,7 +64,7 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     }
 #endif
 #ifdef PERIODIC
-    position = wrapped(position);
+    position = grid::wrapped(position);
 #endif
     fields::set_particle(a, position, fields::sorted_id(a), velocity, fields::sorted_remaining_life(a) - dt);
 }
