@@ -106,6 +106,8 @@ pub mod passes {
         BODY_MOTION = "body_motion.wgsl",
         /// Motion of particles.
         INTEGRATE = "integrate.wgsl",
+        /// Collisions with walls.
+        WALL_COLLISION = "wall_collision.wgsl",
         /// Spawning and removing, between ticks.
         COMMANDS = "commands.wgsl",
     }

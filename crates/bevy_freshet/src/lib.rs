@@ -39,7 +39,7 @@ pub mod prelude {
     pub use crate::components::stats::{FluidPassTime, FluidStats};
     pub use crate::components::volume::{FluidShape, FluidVolume};
     pub use crate::components::wall::{FluidFriction, FluidWallMotion};
-    pub use crate::components::wall_method::FluidWallMethod;
+    pub use crate::components::wall_method::{FluidReflection, FluidWallMethod};
     pub use crate::coupling::FluidCouplingPlugin;
     pub use crate::plugins::FreshetPlugins;
     pub use crate::rendering::FluidRenderPlugin;

@@ -12,11 +12,13 @@
 
 mod faces;
 mod forces;
+mod penalty;
 
 use serde::{Deserialize, Serialize};
 
 pub(crate) use self::faces::face_of;
 pub use self::faces::{Face, MOST_PLANES, Plane};
+pub use self::penalty::{Penalty, Reflection};
 use crate::error::{InvalidInput, check_range};
 
 /// How walls act on a fluid.
@@ -35,6 +37,8 @@ pub enum WallMethod {
     MonaghanRepulsion,
     /// A damped spring at the face (Amada 2006; Krog 2010, eq. 7.1), with Coulomb's friction where a boundary [has it](crate::scene::Boundary::friction).
     SpringDamper(SpringDamper),
+    /// Collisions with the face after each substep (Pirovano 2011, section 3.5.1): no force at all.
+    Penalty(Penalty),
 }
 
 /// A damped spring that pushes what is nearer than half a spacing to a face: `w^2 s - 2 z w v.n` along the normal `n`, with `s` how much
@@ -64,12 +68,15 @@ impl Default for SpringDamper {
 
 impl WallMethod {
     /// All, with their default numbers.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 8] = [
         Self::VolumeWeights,
         Self::LennardJones,
         Self::KernelForcing,
         Self::MonaghanRepulsion,
         Self::SpringDamper(SpringDamper::DEFAULT),
+        Self::Penalty(Penalty::DEFAULT),
+        Self::Penalty(Penalty::SHARE),
+        Self::Penalty(Penalty::MIRRORED),
     ];
 
     /// Name, as in plans and tables.
@@ -80,6 +87,11 @@ impl WallMethod {
             Self::KernelForcing => "kernel forcing",
             Self::MonaghanRepulsion => "Monaghan's repulsion",
             Self::SpringDamper(_) => "spring and damper",
+            Self::Penalty(penalty) => match penalty.reflection {
+                Reflection::Whole => "penalty",
+                Reflection::Share => "penalty by share",
+                Reflection::Mirrored => "mirrored penalty",
+            },
         }
     }
 
@@ -90,12 +102,12 @@ impl WallMethod {
 
     /// Whether it pushes by a force of its own.
     pub fn is_force(self) -> bool {
-        !self.is_in_sums()
+        !self.is_in_sums() && !matches!(self, Self::Penalty(_))
     }
 
     /// Whether samples need the [face](Face) they stand for.
     pub fn needs_faces(self) -> bool {
-        matches!(self, Self::SpringDamper(_))
+        matches!(self, Self::SpringDamper(_) | Self::Penalty(_))
     }
 
     /// Whether boundaries may have friction.
@@ -104,12 +116,15 @@ impl WallMethod {
     }
 
     pub(crate) fn validate(self) -> Result<(), InvalidInput> {
-        if let Self::SpringDamper(SpringDamper { frequency, damping_ratio }) = self {
-            if let Some(frequency) = frequency {
-                check_range("frequency", frequency, 1e-3, 1e6, "rad/s")?;
+        match self {
+            Self::SpringDamper(SpringDamper { frequency, damping_ratio }) => {
+                if let Some(frequency) = frequency {
+                    check_range("frequency", frequency, 1e-3, 1e6, "rad/s")?;
+                }
+                check_range("damping_ratio", damping_ratio, 0.0, 2.0, "")
             }
-            check_range("damping_ratio", damping_ratio, 0.0, 2.0, "")?;
+            Self::Penalty(penalty) => penalty.validate(),
+            _ => Ok(()),
         }
-        Ok(())
     }
 }

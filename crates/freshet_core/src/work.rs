@@ -117,6 +117,7 @@ impl Work {
             // Of particles beside such walls only.
             StageKind::Friction
             | StageKind::WallForce
+            | StageKind::WallCollision
             | StageKind::BodySort
             | StageKind::BodyDensity
             | StageKind::BodyDrag

@@ -160,15 +160,18 @@ fn walls_that_push_by_themselves_are_a_stage_and_in_no_other_and_refuse_what_doe
         scene.settings.wall_method = method;
         let plan = Plan::new(&scene).unwrap();
         let in_sums = method.is_in_sums();
-        assert_eq!((plan.has(StageKind::WallForce), plan.sums_walls()), (!in_sums, in_sums), "{plan}");
+        let is_penalty = matches!(method, WallMethod::Penalty(_));
+        assert_eq!((plan.has(StageKind::WallForce), plan.sums_walls()), (method.is_force(), in_sums), "{plan}");
+        assert_eq!(plan.has(StageKind::WallCollision), is_penalty, "{plan}");
         assert_eq!(plan.boundary.faces.is_empty(), !method.needs_faces());
-        assert_eq!(plan.parameters.wall_strength > 0.0, !in_sums);
+        assert_eq!(plan.parameters.wall_strength > 0.0, method.is_force());
         let without = Plan::new(&FluidScene { boundaries: Vec::new(), ..scene.clone() }).unwrap();
-        assert!(!without.has(StageKind::WallForce) && !without.sums_walls());
+        assert!(!without.has(StageKind::WallForce) && !without.has(StageKind::WallCollision) && !without.sums_walls());
         if in_sums {
             continue;
         }
-        assert!(reason(&plan, StageKind::WallForce).contains(method.name()), "{plan}");
+        let stage = if is_penalty { StageKind::WallCollision } else { StageKind::WallForce };
+        assert!(reason(&plan, stage).contains(method.name()), "{plan}");
         assert!(reason(&plan, StageKind::Density).ends_with("fluid only") && !plan.boundary.viscous.contains(&true));
         let refused = |change: &dyn Fn(&mut FluidScene), words: [&str; 2]| {
             let mut scene = scene.clone();
@@ -184,6 +187,10 @@ fn walls_that_push_by_themselves_are_a_stage_and_in_no_other_and_refuse_what_doe
             scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
         };
         refused(&belt, ["boundaries[0].velocity", "zero, with a settings.wall_method of"]);
+        if is_penalty {
+            let other = |scene: &mut FluidScene| scene.settings.integrator = Integrator::Beeman;
+            refused(&other, ["settings.integrator", "semi-implicit Euler, with a settings.wall_method of"]);
+        }
         if !method.has_friction() {
             let rough = |scene: &mut FluidScene| scene.boundaries[0].friction = Friction::coulomb(0.1);
             refused(&rough, ["boundaries[0].friction.at_rest", "0, with a settings.wall_method of"]);
@@ -200,6 +207,15 @@ fn walls_that_push_by_themselves_are_a_stage_and_in_no_other_and_refuse_what_doe
     let mut scene = dam_break();
     for (frequency, damping_ratio, field) in [(Some(0.0), 1.0, "frequency"), (None, 2.5, "damping_ratio")] {
         scene.settings.wall_method = WallMethod::SpringDamper(SpringDamper { frequency, damping_ratio });
+        let message = refused(&scene);
+        assert!(message.contains(&format!("settings.wall_method.{field}")), "{message}");
+    }
+    for (penalty, field) in [
+        (Penalty { bounce: 1.1, ..Penalty::DEFAULT }, "bounce"),
+        (Penalty { slip: f32::NAN, ..Penalty::DEFAULT }, "slip"),
+        (Penalty { one_way: Some(Vec3::ZERO), ..Penalty::DEFAULT }, "one_way"),
+    ] {
+        scene.settings.wall_method = WallMethod::Penalty(penalty);
         let message = refused(&scene);
         assert!(message.contains(&format!("settings.wall_method.{field}")), "{message}");
     }

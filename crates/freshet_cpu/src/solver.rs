@@ -613,6 +613,9 @@ impl CpuSolver {
             }
         });
         tally.timed("integrate", || self.integrate_stage(dt, lead));
+        if self.plan.has(StageKind::WallCollision) {
+            tally.timed("wall_collision", || self.wall_collision_stage(dt));
+        }
     }
 
     /// Stages `friction` and `xsph`, if the plan has them.

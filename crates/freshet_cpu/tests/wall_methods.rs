@@ -234,3 +234,97 @@ fn friction_of_springs_ends_a_slide_after_the_way_that_coulomb_says() {
         assert!((speed - expected).abs() < 1e-5 + 0.01 * expected, "slope {slope}: {speed} m/s, not {expected}");
     }
 }
+
+/// A single particle in a closed box without gravity, whose walls hold it half a spacing off: 6 x 5 x 4 spacings of room.
+fn in_a_box(penalty: Penalty, velocity: Vec3) -> (Plan, Snapshot) {
+    let mut scene = FluidScene {
+        gravity: Vec3::ZERO,
+        volumes: vec![Volume::block(Vec3::splat(0.5 * D), Vec3::ZERO)],
+        boundaries: vec![Boundary::closed_box((ROOM + 1.0) * D, Vec3::ZERO)],
+        ..FluidScene::with_spacing(D)
+    };
+    scene.settings.expected_speed = Some(1.0);
+    scene.settings.wall_method = WallMethod::Penalty(penalty);
+    let plan = Plan::new(&scene).unwrap();
+    let mut state = solver(&plan).snapshot().unwrap();
+    state.velocities[0] = velocity;
+    (plan, state)
+}
+
+/// The room that the centre of that particle has, spacings.
+const ROOM: Vec3 = Vec3::new(6.0, 5.0, 4.0);
+
+/// Some fifty collisions, with single walls, in edges and near corners: it is where it would be by the law of reflection, to a thousandth of a spacing.
+#[test]
+fn mirrored_walls_keep_energy_and_way() {
+    let velocity = Vec3::new(0.9, -0.7, 0.53);
+    let (dt, ticks) = (2e-3, 3000);
+    let end = |penalty| {
+        let (plan, state) = in_a_box(penalty, velocity);
+        follow(&plan, &state, ticks, dt)[ticks as usize - 1]
+    };
+    let (at, speed) = end(Penalty::MIRRORED);
+    assert!((speed.length() / velocity.length() - 1.0).abs() < 1e-5, "{speed}");
+    // A zigzag of the way without walls.
+    let half = 0.5 * ROOM * D;
+    let gone = velocity.as_dvec3() * f64::from(dt) * ticks as f64;
+    let exact = (0..3).map(|axis| {
+        let (room, turns) =
+            (f64::from(2.0 * half[axis]), (gone[axis] + f64::from(half[axis])) / f64::from(2.0 * half[axis]));
+        let within = (turns - 2.0 * (turns / 2.0).floor()) * room;
+        (if within > room { 2.0 * room - within } else { within }) - 0.5 * room
+    });
+    let exact: Vec<f64> = exact.collect();
+    let off = at.as_dvec3().distance(DVec3::new(exact[0], exact[1], exact[2]));
+    assert!(off < 1e-3 * f64::from(D), "{at}, not {exact:?}");
+    // The others keep the speed and lose the way, or lose both.
+    let (other, speed) = end(Penalty { reflection: Reflection::Whole, ..Penalty::MIRRORED });
+    assert!(
+        (speed.length() / velocity.length() - 1.0).abs() < 1e-5 && other.distance(at) > 0.01 * D,
+        "{other} {speed}"
+    );
+    let (_, speed) = end(Penalty::SHARE);
+    assert!(speed.length() < 0.2 * velocity.length(), "{speed}");
+}
+
+/// What falls on a floor thirty times comes back as high.
+#[test]
+fn a_mirrored_floor_gives_back_the_height_of_a_fall() {
+    let peaks = |penalty: Penalty| {
+        let (plan, state) = alone(WallMethod::Penalty(penalty), 9.81, Vec3::new(0.01, 4.0 * D, 0.02), Vec3::ZERO);
+        let way = follow(&plan, &state, 13_000, 1e-3);
+        let is_peak = |three: &&[(Vec3, Vec3)]| three[0].1.y > 0.0 && three[2].1.y <= 0.0;
+        way.windows(3).filter(is_peak).map(|three| (three[1].0.y / D - 0.5) / 3.5).collect::<Vec<f32>>()
+    };
+    let all = peaks(Penalty::MIRRORED);
+    assert!(all.len() >= 25, "{}", all.len());
+    assert!(all.iter().all(|height| (height - 1.0).abs() < 0.05), "{all:?}");
+    // Two thirds of the energy a time.
+    let all = peaks(Penalty::SHARE);
+    assert!(all.iter().all(|&height| height < 0.9) && all.iter().take(6).any(|&height| height < 0.2), "{all:?}");
+}
+
+/// One substep: what comes back, what slips, and where it is put.
+#[test]
+fn a_collision_takes_its_shares() {
+    let (dt, velocity) = (2e-4f32, Vec3::new(0.3, -1.0, 0.4));
+    let from = Vec3::new(0.0, 0.5 * D + 1.5e-4, 0.0);
+    let after = |penalty| {
+        let (plan, state) = alone(WallMethod::Penalty(penalty), 0.0, from, velocity);
+        follow(&plan, &state, 1, dt)[0]
+    };
+    // It gets 0.5e-4 m too far, a quarter of its way.
+    let half = Penalty { bounce: 0.5, slip: 0.7, ..Penalty::DEFAULT };
+    for (reflection, leaving, height) in
+        [(Reflection::Whole, 0.5, 0.0), (Reflection::Share, 0.125, 0.0), (Reflection::Mirrored, 0.5, 0.25e-4)]
+    {
+        let (x, v) = after(Penalty { reflection, ..half });
+        assert!(v.distance(Vec3::new(0.21, leaving, 0.28)) < 1e-3, "{reflection:?}: {v}");
+        assert!((x.y - 0.5 * D - height).abs() < 1e-7, "{reflection:?}: {x}");
+        assert!((x.x - 0.3 * dt).abs() < 1e-7, "{reflection:?}: {x}");
+    }
+    // One way only.
+    let (x, v) = after(Penalty { one_way: Some(Vec3::Y), ..half });
+    assert!(v == velocity && (x.y - from.y + dt).abs() < 1e-7, "{x} {v}");
+    assert!(after(Penalty { one_way: Some(3.0 * Vec3::NEG_Y), ..half }).1.y > 0.49);
+}

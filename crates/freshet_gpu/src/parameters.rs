@@ -6,7 +6,7 @@ use freshet_core::near_pressure;
 use freshet_core::plan::Plan;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::step::StepInput;
-use freshet_core::wall_method::WallMethod;
+use freshet_core::wall_method::{Penalty, WallMethod};
 use glam::{UVec3, Vec3};
 
 use crate::cells::{CellTables, first_body_sample};
@@ -53,7 +53,12 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         WallMethod::SpringDamper(spring) => {
             ((strength * strength) as f32, 2.0 * spring.damping_ratio * p.wall_strength)
         }
-        WallMethod::VolumeWeights | WallMethod::LennardJones | WallMethod::MonaghanRepulsion => (p.wall_strength, 0.0),
+        _ => (p.wall_strength, 0.0),
+    };
+    // Of other plans nobody reads it.
+    let penalty = match p.wall_method {
+        WallMethod::Penalty(penalty) => penalty,
+        _ => Penalty::DEFAULT,
     };
     Parameters {
         cell_mask: grid.dimensions() - UVec3::ONE,
@@ -138,6 +143,9 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         wall_spacing: p.spacing,
         wall_strength,
         wall_damping,
+        wall_bounce: penalty.bounce,
+        wall_slip: penalty.slip,
+        wall_way: penalty.one_way.unwrap_or_default(),
         ..Default::default()
     }
 }

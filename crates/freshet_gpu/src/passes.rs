@@ -513,6 +513,18 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(past > 0, uses, &[(B::Histories, Write)]);
             vec![with_words(2 * past, pass("integrate", passes::INTEGRATE, Arguments::Motion, &uses))]
         }
+        StageKind::WallCollision => vec![pass(
+            "wall_collision",
+            passes::WALL_COLLISION,
+            Arguments::Motion,
+            &[
+                (B::Particles, Write),
+                (B::CellStarts, Read),
+                (B::Samples, Read),
+                (B::WallFaces, Read),
+                (B::Control, Read),
+            ],
+        )],
     }
 }
 

@@ -10,7 +10,7 @@ use freshet_core::plan::{Plan, StageKind};
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::solver::SolverError;
 use freshet_core::variable_support::EVALUATIONS;
-use freshet_core::wall_method::{Plane, WallMethod};
+use freshet_core::wall_method::{Plane, Reflection, WallMethod};
 use freshet_shaders::library;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 use wgpu::naga;
@@ -72,6 +72,10 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     let walls = plan.sums_walls();
     let bodies = !plan.bodies.is_empty();
     let drag = WallDrag::of(plan);
+    let penalty = match parameters.wall_method {
+        WallMethod::Penalty(penalty) => Some(penalty),
+        _ => None,
+    };
     for (name, condition) in [
         ("WALLS", walls),
         ("BODIES", bodies),
@@ -100,6 +104,9 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("WALL_KERNEL_FORCING", parameters.wall_method == WallMethod::KernelForcing),
         ("WALL_MONAGHAN", parameters.wall_method == WallMethod::MonaghanRepulsion),
         ("WALL_SPRINGS", matches!(parameters.wall_method, WallMethod::SpringDamper(_))),
+        ("WALL_SHARE", penalty.is_some_and(|penalty| penalty.reflection == Reflection::Share)),
+        ("WALL_MIRRORED", penalty.is_some_and(|penalty| penalty.reflection == Reflection::Mirrored)),
+        ("WALL_ONE_WAY", penalty.is_some_and(|penalty| penalty.one_way.is_some())),
         ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),
     ] {
         if condition {

@@ -1,7 +1,7 @@
 //! What walls do to a fluid, as Bevy can reflect it.
 
 use bevy::prelude::*;
-use freshet_core::wall_method::{SpringDamper, WallMethod};
+use freshet_core::wall_method::{Penalty, Reflection, SpringDamper, WallMethod};
 
 /// How the walls of a domain that stand still act on its fluid; formulas, sources and what each is for stand at [`WallMethod`]. Those that
 /// [move](super::wall::FluidWallMotion) are in the sums whatever it says.
@@ -24,6 +24,50 @@ pub enum FluidWallMethod {
         /// 0 to 2.
         damping_ratio: f32,
     },
+    /// Collisions with each face after a substep.
+    Penalty {
+        /// Share of the speed into the wall that comes back, 0 to 1.
+        bounce: f32,
+        /// Share of the speed along the wall that stays, 0 to 1.
+        slip: f32,
+        /// Where a particle is put, and how fast it leaves.
+        reflection: FluidReflection,
+        /// If given, only particles that move along this vector, in the domain's frame, are stopped.
+        one_way: Option<Vec3>,
+    },
+}
+
+/// Where a particle is put that got into a wall, and how fast it leaves; see [`Reflection`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidReflection {
+    /// Half a spacing off the face, with all of the speed that bounces.
+    #[default]
+    Whole,
+    /// The same, with less of it the shorter it was in the wall.
+    Share,
+    /// As far off as it would be if it had bounced at once, which keeps its energy.
+    Mirrored,
+}
+
+impl From<FluidReflection> for Reflection {
+    fn from(reflection: FluidReflection) -> Self {
+        match reflection {
+            FluidReflection::Whole => Self::Whole,
+            FluidReflection::Share => Self::Share,
+            FluidReflection::Mirrored => Self::Mirrored,
+        }
+    }
+}
+
+impl From<Reflection> for FluidReflection {
+    fn from(reflection: Reflection) -> Self {
+        match reflection {
+            Reflection::Whole => Self::Whole,
+            Reflection::Share => Self::Share,
+            Reflection::Mirrored => Self::Mirrored,
+        }
+    }
 }
 
 impl From<FluidWallMethod> for WallMethod {
@@ -35,6 +79,9 @@ impl From<FluidWallMethod> for WallMethod {
             FluidWallMethod::MonaghanRepulsion => Self::MonaghanRepulsion,
             FluidWallMethod::SpringDamper { frequency, damping_ratio } => {
                 Self::SpringDamper(SpringDamper { frequency, damping_ratio })
+            }
+            FluidWallMethod::Penalty { bounce, slip, reflection, one_way } => {
+                Self::Penalty(Penalty { bounce, slip, reflection: reflection.into(), one_way })
             }
         }
     }
@@ -49,6 +96,9 @@ impl From<WallMethod> for FluidWallMethod {
             WallMethod::MonaghanRepulsion => Self::MonaghanRepulsion,
             WallMethod::SpringDamper(SpringDamper { frequency, damping_ratio }) => {
                 Self::SpringDamper { frequency, damping_ratio }
+            }
+            WallMethod::Penalty(Penalty { bounce, slip, reflection, one_way }) => {
+                Self::Penalty { bounce, slip, reflection: reflection.into(), one_way }
             }
         }
     }

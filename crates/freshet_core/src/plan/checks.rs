@@ -5,9 +5,11 @@ use glam::Vec3;
 use super::SceneError;
 use crate::error::InvalidInput;
 use crate::grid::Grid;
+use crate::integrator::Integrator;
 use crate::periodic::{AXES, Periodic};
 use crate::pressure_solver::PressureSolver;
 use crate::scene::{Body, BodySampling, Boundary, BoundaryShape, FluidScene, FluidSide, MAX_PARTICLES, side_of};
+use crate::wall_method::WallMethod;
 
 /// Refuses particles so far from the origin that `f32` cannot tell a sixty-fourth of their spacing.
 pub(super) fn check_precision(corner: Vec3, spacing: f32) -> Result<(), InvalidInput> {
@@ -80,6 +82,15 @@ pub(super) fn check_wall_method(scene: &FluidScene) -> Result<(), InvalidInput> 
     let method = scene.settings.wall_method;
     if method.is_in_sums() {
         return Ok(());
+    }
+    let integrator = scene.settings.integrator;
+    if matches!(method, WallMethod::Penalty(_)) && integrator != Integrator::default() {
+        let allowed = format!(
+            "{}, with a settings.wall_method of {}: others remember motions that a wall changes",
+            Integrator::default().name(),
+            method.name()
+        );
+        return Err(InvalidInput::new("settings.integrator", integrator.name(), allowed));
     }
     for (index, boundary) in scene.boundaries.iter().enumerate() {
         let refused = |field: &str, value: &dyn std::fmt::Display, allowed: &str| {

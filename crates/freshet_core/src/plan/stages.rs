@@ -9,6 +9,7 @@ use crate::pressure_force::PressureForce;
 use crate::pressure_solver::PressureSolver;
 use crate::scene::FluidScene;
 use crate::viscosity::ViscosityModel;
+use crate::wall_method::WallMethod;
 
 /// What a substep consists of; a solver may make several passes of a stage or fuse stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -47,6 +48,8 @@ pub enum StageKind {
     BodyMotion,
     /// Moves the particles.
     Integrate,
+    /// Puts particles back that got into walls.
+    WallCollision,
 }
 
 impl StageKind {
@@ -70,6 +73,7 @@ impl StageKind {
             StageKind::DensitySolve => "density_solve",
             StageKind::BodyMotion => "body_motion",
             StageKind::Integrate => "integrate",
+            StageKind::WallCollision => "wall_collision",
         }
     }
 }
@@ -203,6 +207,13 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     let repeats = if scene.periodic.any() { "; the domain repeats itself" } else { "" };
     let what = integrator.in_solvers().unwrap_or_default();
     add(StageKind::Integrate, &format!("{}: {what}{repeats}", integrator.name()));
+    if walls && matches!(method, WallMethod::Penalty(_)) {
+        let name = method.name();
+        add(
+            StageKind::WallCollision,
+            &format!("settings.wall_method is {name}: walls put back what got into them, and do nothing else"),
+        );
+    }
     stages
 }
 

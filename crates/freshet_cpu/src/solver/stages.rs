@@ -18,7 +18,7 @@ use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
 use crate::passes::{
     acceleration, body_density, body_drag, body_load, body_touch, continuity, density, friction, integrate, support,
-    wall_force, xsph,
+    wall_collision, wall_force, xsph,
 };
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
@@ -345,6 +345,18 @@ impl CpuSolver {
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (), acceleration)| {
             wall_force::wall_force(&inputs, chunk, workspace, acceleration)
         })
+    }
+
+    /// Puts back what got into walls in the last `dt` seconds.
+    pub(super) fn wall_collision_stage(&mut self, dt: f32) {
+        let WallMethod::Penalty(penalty) = self.plan.parameters.wall_method else { return };
+        let near = NearWalls { walls: &self.pushing_walls, plan: &self.plan };
+        let [positions, velocities] = [&mut self.particles.position, &mut self.particles.velocity];
+        let moved = [positions, velocities].map(|values| values.each_mut().map(Vec::as_mut_slice));
+        let tasks = Tasks::new(&self.sorter.chunks, (), moved);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (_, (), moved)| {
+            wall_collision::wall_collision(near, &penalty, workspace, moved, dt);
+        });
     }
 
     /// Takes what the friction of walls takes in `dt` seconds.

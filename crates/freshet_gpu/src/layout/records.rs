@@ -169,12 +169,16 @@ wgsl_struct! {
         wall_strength: f32,
         /// How much a spring takes of velocities, 1/s.
         wall_damping: f32,
-        /// Uniforms are multiples of 16 bytes.
+        /// Share of the speed into a wall that comes back.
+        wall_bounce: f32,
+        /// Vectors begin at multiples of 16 bytes.
         pad_a: u32,
         /// See above.
         pad_b: u32,
-        /// See above.
-        pad_c: u32,
+        /// Along this walls stop particles, if they do it one way only.
+        wall_way: Vec3,
+        /// Share of the speed along a wall that stays.
+        wall_slip: f32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.

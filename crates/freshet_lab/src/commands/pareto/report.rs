@@ -198,6 +198,8 @@ fn colour(family: Family) -> Colour {
         Family::SpeedOfSound => Colour(0x3a, 0x9a, 0xd9),
         Family::PressureForce => Colour(0x7a, 0x5a, 0xb8),
         Family::PressureSolver => Colour(0xd9, 0x6a, 0x1b),
+        Family::Density => Colour(0xe0, 0xa8, 0x2e),
+        Family::Walls => Colour(0x4a, 0x4a, 0x4a),
         Family::Kernel => Colour(0x2e, 0x8b, 0x57),
         Family::Neighbours => Colour(0x8f, 0xb4, 0x2a),
         Family::Integrator => Colour(0xc9, 0x3a, 0x7d),

@@ -6,7 +6,7 @@
 use freshet_core::field::Field;
 use freshet_core::leaks::LeakWatch;
 use freshet_core::plan::Plan;
-use freshet_core::wall_method::WallMethod;
+use freshet_core::wall_method::{Reflection, WallMethod};
 
 use super::super::{Case, Findings, Job};
 use crate::drive::Drive;
@@ -77,6 +77,8 @@ fn bounds(method: WallMethod) -> Bounds {
         }
         WallMethod::LennardJones | WallMethod::SpringDamper(_) => of_none([20.0, 100.0]),
         WallMethod::KernelForcing | WallMethod::MonaghanRepulsion => of_none([80.0, 400.0]),
+        WallMethod::Penalty(penalty) if penalty.reflection == Reflection::Mirrored => of_none([150.0, 150.0]),
+        WallMethod::Penalty(_) => of_none([25.0, 80.0]),
     }
 }
 
