@@ -369,7 +369,7 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         Neighbours,
         "neighbours-50",
         |scene, _| scene.settings.support = Support::Neighbours(50.0),
-        "smoother sums",
+        "smoother sums over neighbours",
         "half as many pairs again; blurs a spacing more",
     ),
     of(
@@ -478,7 +478,7 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         "courant-1",
         |scene, _| scene.settings.courant_factor = 1.0,
         "the longest steps there are",
-        "violent flows",
+        "violent flows, whose limit it is",
     ),
     of(
         Step,
