@@ -10,7 +10,7 @@ use crate::position_based::PositionBased;
 use crate::pressure_force::PressureForce;
 use crate::pressure_solver::{DivergenceFree, PressureSolver};
 use crate::scene::{FluidScene, Support};
-use crate::wall_method::{SpringDamper, WallMethod};
+use crate::wall_method::{Penalty, SpringDamper, WallMethod};
 
 const fn of(
     family: Family,
@@ -301,6 +301,27 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         |scene, _| scene.settings.wall_method = WallMethod::SpringDamper(SpringDamper::DEFAULT),
         "terrain with friction (Krog 2010): smooth along the face",
         "deep water sinks into the spring",
+    ),
+    of(
+        Walls,
+        "penalty-reposition",
+        |scene, _| scene.settings.wall_method = WallMethod::Penalty(Penalty::DEFAULT),
+        "particles that get into a wall are put back (Pirovano 2011)",
+        "particles pile up on the face, in as many layers as pressure presses in",
+    ),
+    of(
+        Walls,
+        "penalty-share",
+        |scene, _| scene.settings.wall_method = WallMethod::Penalty(Penalty::SHARE),
+        "the same, bouncing by the share of the step that they were in the wall (Kelager 2006)",
+        "as penalty-reposition, and what bounces is not still",
+    ),
+    of(
+        Walls,
+        "penalty-mirrored",
+        |scene, _| scene.settings.wall_method = WallMethod::Penalty(Penalty::MIRRORED),
+        "the same, as a mirror sends them back",
+        "keeps all energy: no fluid comes to rest on it",
     ),
     of(
         Kernel,
