@@ -163,10 +163,10 @@ wgsl_struct! {
         least_excess: f32,
         /// What the position-based solver adds to `K`.
         softness: f32,
-        /// Uniforms are multiples of 16 bytes.
-        pad_a: u32,
-        /// See above.
-        pad_b: u32,
+        /// Monaghan's epsilon against clumping.
+        tensile_correction: f32,
+        /// One over the kernel's shape at a spacing.
+        inverse_shape: f32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.
