@@ -43,6 +43,18 @@ fn difference(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
 #endif
 }
 
+#ifdef PERIODIC
+// What leaves a period through one end comes back through the other.
+fn wrapped(position: vec3<f32>) -> vec3<f32> {
+    let low = fields::parameters.period_low;
+    let high = fields::parameters.period_high;
+    let turns = floor((position - low) * fields::parameters.inverse_period);
+    let moved = position - fields::parameters.period * turns;
+    let image = select(low, moved, (moved >= low) & (moved < high));
+    return select(image, position, (position >= low) & (position < high));
+}
+#endif
+
 // A point in the grid: the wrapped coordinates of its cell, and where it is in the cell, as a part of each edge.
 struct Place {
     cell: vec3<u32>,

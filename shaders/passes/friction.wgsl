@@ -1,21 +1,40 @@
 // Coulomb friction of walls, see freshet_core::scene::Friction. The walls push particle a with
 // n_a = -(1/G) rho0 sum_k V_k P_a F x_ak; each sample counts with its coefficient, in n_s with that of what sticks, in n_k with
 // that of what slides. With v = v_a + a_a dt and t its part across n_s: a_a -= t/dt if |t| <= |n_s| dt, else a_a -= |n_k| t/|t|.
+// Walls that are springs push with these instead.
 
 #import freshet::bindings as fields
+#ifdef WALL_SPRINGS
+#import freshet::wall_planes
+#else
 #ifndef INCOMPRESSIBLE
 #import freshet::equation_of_state
+#endif
 #endif
 #import freshet::grid
 #import freshet::kernels
 #import freshet::threads
 
-// sum_k V_k f'(q)/q x_ak times either coefficient.
+// The push of walls, m/s2, or sum_k V_k f'(q)/q x_ak, times either coefficient.
 struct Push {
     at_rest: vec3<f32>,
     sliding: vec3<f32>,
 }
 
+#ifdef WALL_SPRINGS
+fn push_of_springs(position: vec3<f32>, velocity: vec3<f32>, place: grid::Place) -> Push {
+    var planes = wall_planes::planes_at(position, place);
+    var push: Push;
+    for (var i = 0u; i < planes.count; i++) {
+        let face = planes.faces[i];
+        let part = wall_planes::spring_push(face.w, dot(velocity, face.xyz)) * face.xyz;
+        let coefficients = fields::wall_friction(planes.samples[i]);
+        push.at_rest += coefficients.x * part;
+        push.sliding += coefficients.y * part;
+    }
+    return push;
+}
+#else
 fn push_on(position: vec3<f32>, place: grid::Place) -> Push {
     let extent = grid::shape();
     let inverse_radius = fields::parameters.inverse_support_radius;
@@ -36,6 +55,7 @@ fn push_on(position: vec3<f32>, place: grid::Place) -> Push {
     }
     return push;
 }
+#endif
 
 // What friction takes of an acceleration, with `most` what it can hold, along the wall's normal.
 fn taken(velocity: vec3<f32>, most: vec3<f32>, sliding: f32, dt: f32) -> vec3<f32> {
@@ -64,6 +84,10 @@ fn friction(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
         return;
     }
     let motion = fields::velocity_and_density(a);
+#ifdef WALL_SPRINGS
+    let push = push_of_springs(position, motion.xyz, place);
+    let scale = 1.0;
+#else
 #ifdef INCOMPRESSIBLE
     let pressure = fields::solved_pressure(a);
 #else
@@ -75,6 +99,7 @@ fn friction(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     }
     let push = push_on(position, place);
     let scale = -fields::parameters.sample_force_scale * pressure;
+#endif
     let dt = fields::control.substep;
     let before = fields::acceleration(a);
     let sliding = length(scale * push.sliding);

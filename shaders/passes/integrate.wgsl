@@ -4,20 +4,9 @@
 // Those of a position-based one go from where they were moved to.
 
 #import freshet::bindings as fields
+#import freshet::grid
 #import freshet::integrator
 #import freshet::threads
-
-#ifdef PERIODIC
-// What leaves a period through one end comes back through the other.
-fn wrapped(position: vec3<f32>) -> vec3<f32> {
-    let low = fields::parameters.period_low;
-    let high = fields::parameters.period_high;
-    let turns = floor((position - low) * fields::parameters.inverse_period);
-    let moved = position - fields::parameters.period * turns;
-    let image = select(low, moved, (moved >= low) & (moved < high));
-    return select(image, position, (position >= low) & (position < high));
-}
-#endif
 
 #ifdef PASTS
 // Keeps the substep; `motion` is what the particle moved with.
@@ -80,7 +69,7 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     }
 #endif
 #ifdef PERIODIC
-    position = wrapped(position);
+    position = grid::wrapped(position);
 #endif
     fields::set_particle(a, position, fields::sorted_id(a), velocity, fields::sorted_remaining_life(a) - dt);
 }

@@ -53,17 +53,17 @@ fn choose_substep(remaining: f32, max_speed: f32, max_acceleration: f32, drag_li
     let fall = sqrt(way / max(length(fields::control.gravity), 1e-12));
     let pressure = bitcast<f32>(atomicExchange(&fields::control.max_pressure, 0u)) * fields::parameters.rest_density;
     let stiff = fields::parameters.pressure_limit / sqrt(max(pressure, 1e-12));
-    let limit = min(min(courant, fall), min(stiff, fields::parameters.viscous_limit));
+    let limit = min(min(courant, fall), min(stiff, fields::parameters.steady_limit));
 #else ifdef POSITION_BASED
     let way = fields::parameters.longest_way;
     let courant = way / max(max_speed, 1e-12);
     let fall = sqrt(way / max(length(fields::control.gravity), 1e-12));
-    let limit = min(min(courant, fall), fields::parameters.viscous_limit);
+    let limit = min(min(courant, fall), fields::parameters.steady_limit);
 #else
     let h = fields::parameters.smoothing_length;
     let courant = fields::parameters.courant_factor * h / (fields::parameters.sound_speed + max_speed);
     let force = fields::parameters.force_factor * sqrt(h / max(max_acceleration, 1e-12));
-    let limit = min(min(courant, force), fields::parameters.viscous_limit);
+    let limit = min(min(courant, force), fields::parameters.steady_limit);
 #endif
     return remaining / max(ceil(remaining / min(limit, drag_limit) - 1e-3), 1.0);
 }

@@ -34,6 +34,8 @@ pub mod library {
         THREADS = "threads.wgsl",
         /// The wrapped grid.
         GRID = "grid.wgsl",
+        /// Faces of walls around a particle.
+        WALL_PLANES = "wall_planes.wgsl",
         /// Neighbours as bits.
         HITS = "hits.wgsl",
         /// Smoothing kernels.
@@ -82,6 +84,8 @@ pub mod passes {
         POSITION_SOLVE = "position_solve.wgsl",
         /// Acceleration.
         ACCELERATION = "acceleration.wgsl",
+        /// Forces of walls that push by themselves.
+        WALL_FORCE = "wall_force.wgsl",
         /// Fluid that sticks to bodies.
         BODY_DRAG = "body_drag.wgsl",
         /// Force and torque on bodies.
@@ -102,6 +106,8 @@ pub mod passes {
         BODY_MOTION = "body_motion.wgsl",
         /// Motion of particles.
         INTEGRATE = "integrate.wgsl",
+        /// Collisions with walls.
+        WALL_COLLISION = "wall_collision.wgsl",
         /// Spawning and removing, between ticks.
         COMMANDS = "commands.wgsl",
     }

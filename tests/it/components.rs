@@ -310,3 +310,26 @@ fn fluid_poured_into_fluid_fills_what_is_free() {
         test.expect_no_complaints();
     }
 }
+
+#[test]
+fn a_domain_takes_a_fidelity_changes_it_and_says_what_was_chosen() {
+    for choice in ALL {
+        let mut test = TestApp::new();
+        let tank = Tank::spawn(&mut test, choice);
+        for (fidelity, name) in [
+            (FluidFidelity::Fast, "fast"),
+            (FluidFidelity::Balanced, "balanced"),
+            (FluidFidelity::Accurate, "accurate"),
+            (FluidFidelity::within(0.5).unwrap(), "within 50 %"),
+        ] {
+            test.change::<FluidDomain>(tank.domain, |domain| *domain = domain.clone().with_fidelity(fidelity));
+            test.tick(3);
+            let stats = test.settle(tank.domain);
+            assert_eq!(stats.particles, WATER, "{name} {choice:?}");
+            let wanted = format!("fidelity {name}: configuration ");
+            let notes: Vec<&String> = stats.notes.iter().filter(|note| note.starts_with(&wanted)).collect();
+            assert_eq!(notes.len(), 1, "{choice:?}: {:?}", stats.notes);
+        }
+        test.expect_no_complaints();
+    }
+}

@@ -97,6 +97,14 @@ fn a_wrong_domain_says_so_and_recovers() {
         (|domain| domain.settings.support_ratio = 9.0, "support"),
         (|domain| domain.settings.sound_speed = Some(1.0), "sound_speed"),
         (|domain| domain.settings.kernel = FluidKernel::Viscosity, "kernel"),
+        (|domain| domain.settings.fidelity = Some(FluidFidelity::Within(-0.1)), "fidelity: -0.1 is not allowed"),
+        (
+            |domain| {
+                *domain = domain.clone().with_fidelity(FluidFidelity::Fast);
+                domain.settings.xsph = 0.5;
+            },
+            "fidelity: fast is not allowed; allowed: none",
+        ),
     ] {
         let mut test = TestApp::new();
         let tank = Tank::spawn(&mut test, ALL[0]);

@@ -33,12 +33,13 @@ pub mod prelude {
     pub use crate::components::readback::{FluidReadback, FluidReadbackComplete};
     pub use crate::components::scene::FluidSceneCommands;
     pub use crate::components::settings::{
-        FluidDensityForm, FluidEquationOfState, FluidIntegrator, FluidKernel, FluidPressureForce, FluidPressureSolver,
-        FluidRelaxation, FluidSettings, FluidViscosityModel,
+        FluidDensityForm, FluidEquationOfState, FluidFidelity, FluidIntegrator, FluidKernel, FluidPressureForce,
+        FluidPressureSolver, FluidRelaxation, FluidSettings, FluidViscosityModel,
     };
     pub use crate::components::stats::{FluidPassTime, FluidStats};
     pub use crate::components::volume::{FluidShape, FluidVolume};
     pub use crate::components::wall::{FluidFriction, FluidWallMotion};
+    pub use crate::components::wall_method::{FluidReflection, FluidWallMethod};
     pub use crate::coupling::FluidCouplingPlugin;
     pub use crate::plugins::FreshetPlugins;
     pub use crate::rendering::FluidRenderPlugin;

@@ -4,10 +4,12 @@
 //! reasons; a solver ([`FluidSolver`](solver::FluidSolver), in `freshet_cpu` and `freshet_gpu`) executes the plan tick
 //! by tick. Nothing here knows an engine, a thread, a GPU or a file.
 
+pub mod configuration;
 pub mod density_form;
 pub mod emitter;
 pub mod equation_of_state;
 pub mod error;
+pub mod fidelity;
 pub mod field;
 pub mod geometry;
 pub mod grid;
@@ -36,15 +38,18 @@ pub mod swelling;
 pub mod tensile_correction;
 pub mod variable_support;
 pub mod viscosity;
+pub mod wall_method;
 pub mod work;
 pub mod xsph;
 
 /// What most programs need.
 pub mod prelude {
+    pub use crate::configuration::{CONFIGURATIONS, Configuration};
     pub use crate::density_form::DensityForm;
     pub use crate::emitter::Emitter;
     pub use crate::equation_of_state::EquationOfState;
     pub use crate::error::InvalidInput;
+    pub use crate::fidelity::FluidFidelity;
     pub use crate::field::{Field, FieldData};
     pub use crate::geometry::{HeightField, TriangleMesh};
     pub use crate::integrator::Integrator;
@@ -66,5 +71,6 @@ pub mod prelude {
     pub use crate::solver::{FluidSolver, Schedule, SolverError};
     pub use crate::step::{BodyInput, Command, Impulse, NewParticles, StepInput, StepReport};
     pub use crate::viscosity::ViscosityModel;
+    pub use crate::wall_method::{Penalty, Reflection, SpringDamper, WallMethod};
     pub use glam::{Mat3, Quat, Vec3};
 }

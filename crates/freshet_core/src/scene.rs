@@ -15,6 +15,7 @@ use crate::density_form::DensityForm;
 use crate::emitter::Emitter;
 use crate::equation_of_state::EquationOfState;
 use crate::error::{InvalidInput, check_finite, check_range};
+use crate::fidelity::FluidFidelity;
 use crate::integrator::Integrator;
 use crate::kernel::KernelKind;
 use crate::material::Material;
@@ -27,6 +28,7 @@ use crate::sampling::wall_layer::WallLayer;
 use crate::solid::Solid;
 use crate::variable_support;
 use crate::viscosity::ViscosityModel;
+use crate::wall_method::WallMethod;
 
 /// A fluid, what holds it, what floats in it, and how it is to be simulated. SI units throughout.
 ///
@@ -266,6 +268,9 @@ pub enum Support {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
+    /// How accurate the fluid is to be; chooses the other settings that say how it is simulated, which then have to be at their defaults. None: these
+    /// settings as they are.
+    pub fidelity: Option<FluidFidelity>,
     /// Smoothing kernel.
     pub kernel: KernelKind,
     /// Reach of the kernel.
@@ -307,6 +312,8 @@ pub struct Settings {
     pub relaxation: Option<Relaxation>,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
     pub viscosity_model: Option<ViscosityModel>,
+    /// How walls act on the fluid; another method than the default for weakly compressible fluids only. See [`wall_method`](crate::wall_method).
+    pub wall_method: WallMethod,
     /// How accelerations become velocities and positions. An incompressible fluid has a way of its own, and takes the default only. Forward Euler and
     /// the position-corrected Beeman are refused: under them every oscillation grows, as `freshet_lab integrators` shows.
     pub integrator: Integrator,
@@ -333,6 +340,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            fidelity: None,
             kernel: KernelKind::WendlandC2,
             support: Support::Ratio(2.0),
             pressure_solver: PressureSolver::WeaklyCompressible,
@@ -350,6 +358,7 @@ impl Default for Settings {
             widest_support: 1.0,
             relaxation: None,
             viscosity_model: None,
+            wall_method: WallMethod::default(),
             integrator: Integrator::default(),
             courant_factor: 0.4,
             force_factor: 0.25,
@@ -413,6 +422,9 @@ impl Settings {
         if self.density.is_carried() {
             return Err(InvalidInput::new("density", self.density.name(), allowed));
         }
+        if !self.wall_method.is_in_sums() {
+            return Err(InvalidInput::new("wall_method", self.wall_method.name(), allowed));
+        }
         Ok(())
     }
 
@@ -437,6 +449,7 @@ impl Settings {
     }
 
     fn validate(&self) -> Result<(), InvalidInput> {
+        self.check_fidelity()?;
         match self.support {
             Support::Ratio(ratio) => check_range("support", ratio, 1.5, 4.0, "spacings")?,
             Support::Neighbours(count) => check_range("support", count, 14.0, 270.0, "neighbours")?,
@@ -474,6 +487,7 @@ impl Settings {
             return Err(InvalidInput::new("pressure_force", self.pressure_force.name(), allowed));
         }
         self.check_density()?;
+        self.wall_method.validate().map_err(|error| error.inside("wall_method"))?;
         if let Some(relaxation) = &self.relaxation {
             relaxation.validate().map_err(|error| error.inside("relaxation"))?;
         }

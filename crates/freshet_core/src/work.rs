@@ -120,6 +120,8 @@ impl Work {
             }
             // Of particles beside such walls only.
             StageKind::Friction
+            | StageKind::WallForce
+            | StageKind::WallCollision
             | StageKind::BodySort
             | StageKind::BodyDensity
             | StageKind::BodyDrag

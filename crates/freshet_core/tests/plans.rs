@@ -154,6 +154,77 @@ fn friction_is_a_stage_of_plans_with_walls_that_have_it() {
 }
 
 #[test]
+fn walls_that_push_by_themselves_are_a_stage_and_in_no_other_and_refuse_what_does_not_go_together() {
+    for method in WallMethod::ALL {
+        let mut scene = dam_break();
+        scene.settings.wall_method = method;
+        let plan = Plan::new(&scene).unwrap();
+        let in_sums = method.is_in_sums();
+        let is_penalty = matches!(method, WallMethod::Penalty(_));
+        assert_eq!((plan.has(StageKind::WallForce), plan.sums_walls()), (method.is_force(), in_sums), "{plan}");
+        assert_eq!(plan.has(StageKind::WallCollision), is_penalty, "{plan}");
+        assert_eq!(plan.boundary.faces.is_empty(), !method.needs_faces());
+        assert_eq!(plan.parameters.wall_strength > 0.0, method.is_force());
+        let without = Plan::new(&FluidScene { boundaries: Vec::new(), ..scene.clone() }).unwrap();
+        assert!(!without.has(StageKind::WallForce) && !without.has(StageKind::WallCollision) && !without.sums_walls());
+        if in_sums {
+            continue;
+        }
+        let stage = if is_penalty { StageKind::WallCollision } else { StageKind::WallForce };
+        assert!(reason(&plan, stage).contains(method.name()), "{plan}");
+        assert!(reason(&plan, StageKind::Density).ends_with("fluid only") && !plan.boundary.viscous.contains(&true));
+        let refused = |change: &dyn Fn(&mut FluidScene), words: [&str; 2]| {
+            let mut scene = scene.clone();
+            change(&mut scene);
+            let message = Plan::new(&scene).unwrap_err().to_string();
+            assert!(words.iter().all(|word| message.contains(word)), "{message}");
+        };
+        let solver = PressureSolver::DivergenceFree(DivergenceFree::default());
+        refused(&|scene| scene.settings.pressure_solver = solver, ["settings.wall_method", method.name()]);
+        let belt = |scene: &mut FluidScene| {
+            scene.boundaries[0].velocity = 1e-9 * Vec3::X;
+            scene.boundaries[0].viscous_faces = [false; 6];
+            scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
+        };
+        refused(&belt, ["boundaries[0].velocity", "zero, with a settings.wall_method of"]);
+        if is_penalty {
+            let other = |scene: &mut FluidScene| scene.settings.integrator = Integrator::Beeman;
+            refused(&other, ["settings.integrator", "semi-implicit Euler, with a settings.wall_method of"]);
+        }
+        if !method.has_friction() {
+            let rough = |scene: &mut FluidScene| scene.boundaries[0].friction = Friction::coulomb(0.1);
+            refused(&rough, ["boundaries[0].friction.at_rest", "0, with a settings.wall_method of"]);
+        }
+        if method.needs_faces() {
+            let sheet = BoundaryShape::Sphere { radius: 0.5, fluid: FluidSide::Both };
+            let boundary = Boundary::new(sheet, Vec3::Y * 10.0);
+            refused(
+                &|scene| scene.boundaries.push(boundary.clone()),
+                ["boundaries[1].shape.fluid", "Inside or Outside"],
+            );
+        }
+    }
+    let mut scene = dam_break();
+    for (frequency, damping_ratio, field) in [(Some(0.0), 1.0, "frequency"), (None, 2.5, "damping_ratio")] {
+        scene.settings.wall_method = WallMethod::SpringDamper(SpringDamper { frequency, damping_ratio });
+        let message = refused(&scene);
+        assert!(message.contains(&format!("settings.wall_method.{field}")), "{message}");
+    }
+    for (penalty, field) in [
+        (Penalty { bounce: 1.1, ..Penalty::DEFAULT }, "bounce"),
+        (Penalty { slip: f32::NAN, ..Penalty::DEFAULT }, "slip"),
+        (Penalty { one_way: Some(Vec3::ZERO), ..Penalty::DEFAULT }, "one_way"),
+    ] {
+        scene.settings.wall_method = WallMethod::Penalty(penalty);
+        let message = refused(&scene);
+        assert!(message.contains(&format!("settings.wall_method.{field}")), "{message}");
+    }
+    scene.settings.wall_method = WallMethod::SpringDamper(SpringDamper { frequency: Some(1e4), damping_ratio: 1.0 });
+    let limit = Plan::new(&scene).unwrap().parameters.substep_limit(0.0, 0.0);
+    assert!(near(limit, 0.5 / 3e4), "{limit}");
+}
+
+#[test]
 fn particles_do_not_settle_among_bodies() {
     let mut scene = dam_break();
     scene.settings.relaxation = Some(Relaxation::default());

@@ -6,6 +6,7 @@
 
 mod candidates;
 mod lanes;
+mod near_walls;
 mod neighbours;
 mod packed;
 mod particles;

@@ -49,8 +49,8 @@ fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
         StageKind::Integrate => 36 + 24 + kept,
         // Velocity and acceleration read, velocity written; position, velocity and density read, what moves it written.
         StageKind::Xsph => 36 + 28 + 12 + kept / 2,
-        // Those beside walls with friction only.
-        StageKind::Friction => 0,
+        // Those beside walls only.
+        StageKind::WallForce | StageKind::WallCollision | StageKind::Friction => 0,
         StageKind::BodySort | StageKind::StepControl | StageKind::BodyMotion => 0,
     };
     ScheduledPass { stage, name: stage.name(), bytes_per_particle }

@@ -29,6 +29,7 @@ use self::redo::Before;
 use self::solves::{PressureSolve, Solved};
 use crate::candidates::Candidates;
 use crate::lanes::PADDING;
+use crate::near_walls::PushingWalls;
 use crate::particles::Particles;
 use crate::passes::acceleration::Maxima;
 use crate::passes::body_drag::Drag;
@@ -125,6 +126,8 @@ pub struct CpuSolver {
     /// Whose past the particles have.
     integrator: Integrator,
     walls: SortedSamples,
+    /// Of plans whose walls are not in the sums, in which case those above are none.
+    pushing_walls: PushingWalls,
     body_samples: BodySamples,
     bodies: Vec<MovingBody>,
     /// Of each body the samples that the fluid reaches.
@@ -241,6 +244,7 @@ impl CpuSolver {
             last_substep: 0.0,
             integrator: Integrator::default(),
             walls: SortedSamples::default(),
+            pushing_walls: PushingWalls::default(),
             body_samples: BodySamples::default(),
             workers,
             bodies: Vec::new(),
@@ -296,7 +300,8 @@ impl CpuSolver {
         // What an earlier plan had and this one has not takes no memory.
         let boundary = &self.plan.boundary;
         self.walls = SortedSamples::default();
-        if !boundary.positions.is_empty() {
+        self.pushing_walls = PushingWalls::of(&self.plan);
+        if self.plan.sums_walls() {
             self.walls.sort(&self.plan.grid, &boundary.positions, &boundary.volumes);
             self.walls.set_viscous(&boundary.viscous);
             self.walls.set_frictions(&boundary.frictions);
@@ -378,8 +383,9 @@ impl CpuSolver {
         if self.plan.parameters.redo_substeps {
             self.schedule.buffers.push(schedule::buffer("before", self.before.bytes(), true));
         }
-        if !self.walls.is_empty() {
-            self.schedule.buffers.push(schedule::buffer("walls", self.walls.bytes(), false));
+        if !self.plan.boundary.positions.is_empty() {
+            let bytes = self.walls.bytes() + self.pushing_walls.bytes();
+            self.schedule.buffers.push(schedule::buffer("walls", bytes, false));
         }
         if !self.plan.bodies.is_empty() {
             let states = size_of::<MovingBody>() * self.bodies.capacity()
@@ -545,7 +551,10 @@ impl CpuSolver {
         if self.plan.has(StageKind::BodyDensity) {
             tally.timed("body_density", || self.body_density_stage());
         }
-        let maxima = tally.timed("acceleration", || self.acceleration_stage());
+        let mut maxima = tally.timed("acceleration", || self.acceleration_stage());
+        if self.plan.has(StageKind::WallForce) {
+            maxima = maxima.and(tally.timed("wall_force", || self.wall_force_stage()));
+        }
         if self.plan.has(StageKind::BodyDrag) {
             tally.timed("body_drag", || self.body_drag_stage());
         }
@@ -611,6 +620,9 @@ impl CpuSolver {
             }
         });
         tally.timed("integrate", || self.integrate_stage(dt, lead));
+        if self.plan.has(StageKind::WallCollision) {
+            tally.timed("wall_collision", || self.wall_collision_stage(dt));
+        }
     }
 
     /// Stages `friction` and `xsph`, if the plan has them.

@@ -1,5 +1,7 @@
 //! What a thread needs beside a task's own data, kept from task to task and from substep to substep.
 
+use glam::Vec3;
+
 use crate::candidates::Candidates;
 use crate::lanes::Sums;
 use crate::packed::Packed;
@@ -30,16 +32,36 @@ pub struct Workspace {
     pub contacts: Vec<Contact>,
     /// Around a body's samples.
     pub candidates: Candidates,
+    /// Samples of walls near a particle, with the ways from them, m.
+    pub near_walls: Vec<(usize, Vec3)>,
 }
 
 impl Workspace {
     /// Bytes allocated.
     pub fn bytes(&self) -> u64 {
-        let Self { places, calm, moving, dragging, sticking, viscous, wide, sums, wall_sums, contacts, candidates } =
-            self;
+        let Self {
+            places,
+            calm,
+            moving,
+            dragging,
+            sticking,
+            viscous,
+            wide,
+            sums,
+            wall_sums,
+            contacts,
+            candidates,
+            near_walls,
+        } = self;
         let packed =
             places.bytes() + calm.bytes() + moving.bytes() + dragging.bytes() + sticking.bytes() + viscous.bytes();
         let contacts = (size_of::<Contact>() * contacts.capacity()) as u64;
-        packed + wide.bytes() + sums.bytes() + wall_sums.bytes() + contacts + candidates.bytes()
+        packed
+            + wide.bytes()
+            + sums.bytes()
+            + wall_sums.bytes()
+            + contacts
+            + candidates.bytes()
+            + (size_of::<(usize, Vec3)>() * near_walls.capacity()) as u64
     }
 }

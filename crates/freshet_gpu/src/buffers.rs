@@ -102,6 +102,9 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     if plan.has(StageKind::Friction) {
         need(Binding::WallFrictions, bytes(8, plan.boundary.positions.len()), state);
     }
+    if !plan.boundary.faces.is_empty() {
+        need(Binding::WallFaces, bytes(16, plan.boundary.faces.len()), state);
+    }
     if !plan.bodies.is_empty() {
         let bodies = plan.bodies.len();
         need(Binding::Bodies, bytes(size_of::<BodyRecord>(), bodies), state);
@@ -145,6 +148,7 @@ impl Buffers {
             let walls = sort_walls(plan);
             buffers.write_samples(queue, &[walls.samples, walls.velocities].concat());
             buffers.write(queue, Binding::WallFrictions, &walls.frictions);
+            buffers.write(queue, Binding::WallFaces, &walls.faces);
             buffers.write_at(queue, Binding::CellStarts, 4 * u64::from(tables.wall_starts), &walls.starts);
         }
         if !plan.bodies.is_empty() {

@@ -1,6 +1,7 @@
 //! The tables of cells, and the walls' samples sorted into them once.
 
 use freshet_core::plan::Plan;
+use freshet_core::wall_method::Face;
 
 use glam::Vec3;
 
@@ -83,6 +84,8 @@ pub(crate) struct SortedWalls {
     pub velocities: Vec<[f32; 4]>,
     /// Their coefficients of friction; empty if there is none.
     pub frictions: Vec<[f32; 2]>,
+    /// Normals of their faces, and how far behind they lie, m; empty if the plan does not need them.
+    pub faces: Vec<[f32; 4]>,
     /// First sample of each cell, with the bit [`NEAR_WALLS`].
     pub starts: Vec<u32>,
 }
@@ -124,5 +127,10 @@ pub(crate) fn sort_walls(plan: &Plan) -> SortedWalls {
     } else {
         order.iter().map(|&k| plan.boundary.frictions[k]).collect()
     };
-    SortedWalls { samples: order.iter().map(sample).collect(), velocities: moving, frictions, starts }
+    let face = |&k: &usize| {
+        let Face { normal, depth } = plan.boundary.faces[k];
+        normal.extend(depth).to_array()
+    };
+    let faces = if plan.boundary.faces.is_empty() { Vec::new() } else { order.iter().map(face).collect() };
+    SortedWalls { samples: order.iter().map(sample).collect(), velocities: moving, frictions, faces, starts }
 }

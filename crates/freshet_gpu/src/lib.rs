@@ -37,6 +37,7 @@ mod timing;
 pub use device::{DeviceRequest, FluidDevice, open_device};
 pub use options::{GpuOptions, NeighbourMemory};
 pub use readback::TICKS_IN_FLIGHT;
+pub use shader::check;
 pub use sharing::FluidBuffers;
 pub use solver::GpuSolver;
 pub use timing::MEASURED_SUBSTEPS;

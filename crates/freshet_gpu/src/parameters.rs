@@ -7,6 +7,7 @@ use freshet_core::plan::Plan;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::step::StepInput;
 use freshet_core::tensile_correction::inverse_shape;
+use freshet_core::wall_method::{Penalty, WallMethod};
 use glam::{UVec3, Vec3};
 
 use crate::cells::{CellTables, first_body_sample};
@@ -47,6 +48,19 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         PressureSolver::DivergenceFree(solver) => solver,
         PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => DivergenceFree::default(),
     };
+    let strength = f64::from(p.wall_strength);
+    let (wall_strength, wall_damping) = match p.wall_method {
+        WallMethod::KernelForcing => ((strength * value_scale) as f32, 0.0),
+        WallMethod::SpringDamper(spring) => {
+            ((strength * strength) as f32, 2.0 * spring.damping_ratio * p.wall_strength)
+        }
+        _ => (p.wall_strength, 0.0),
+    };
+    // Of other plans nobody reads it.
+    let penalty = match p.wall_method {
+        WallMethod::Penalty(penalty) => penalty,
+        _ => Penalty::DEFAULT,
+    };
     Parameters {
         cell_mask: grid.dimensions() - UVec3::ONE,
         cells: grid.cells(),
@@ -86,7 +100,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         sound_speed: p.sound_speed,
         courant_factor: p.courant_factor,
         force_factor: p.force_factor,
-        viscous_limit: p.viscous_limit(),
+        steady_limit: p.steady_limit(),
         longest_tick: StepInput::MAX_DURATION,
         max_substeps: p.max_substeps,
         wall_samples: plan.boundary.positions.len() as u32,
@@ -129,6 +143,12 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         particle_mass: p.particle_mass,
         least_excess: DensityForm::LEAST_EXCESS,
         sample_drag: 2.0 * p.dynamic_viscosity * p.spacing,
+        wall_spacing: p.spacing,
+        wall_strength,
+        wall_damping,
+        wall_bounce: penalty.bounce,
+        wall_slip: penalty.slip,
+        wall_way: penalty.one_way.unwrap_or_default(),
         ..Default::default()
     }
 }

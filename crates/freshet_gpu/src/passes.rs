@@ -181,7 +181,8 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
     use Binding as B;
 
     let bodies = !plan.bodies.is_empty();
-    let samples = bodies || !plan.boundary.positions.is_empty();
+    let samples = bodies || plan.sums_walls();
+    let faces = !plan.boundary.faces.is_empty();
     let viscous = needs_velocities(plan);
     let pass = |name, file, dispatch, uses: &[(Binding, Access)]| {
         let mut uses = uses.to_vec();
@@ -379,6 +380,12 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 (B::Samples, Write),
             ],
         )],
+        StageKind::WallForce => {
+            let uses = with(true, neighbours.to_vec(), &[(B::Samples, Read), (B::SortedVelocities, Read)]);
+            let uses = with(faces, uses, &[(B::WallFaces, Read)]);
+            let uses = with(true, uses, &[(B::Accelerations, Write)]);
+            vec![pass("wall_force", passes::WALL_FORCE, Arguments::Particles, &uses)]
+        }
         StageKind::BodyDrag => vec![pass(
             "body_drag",
             passes::BODY_DRAG,
@@ -451,7 +458,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 passes::FRICTION,
                 Arguments::Motion,
                 &with(
-                    solves,
+                    solves || faces,
                     vec![
                         (B::SortedPositions, Read),
                         (B::SortedVelocities, Read),
@@ -461,7 +468,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                         (B::Control, Read),
                         (B::Accelerations, Write),
                     ],
-                    &[(B::Solves, Read)],
+                    &[(if faces { B::WallFaces } else { B::Solves }, Read)],
                 ),
             ),
         )],
@@ -506,6 +513,18 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(past > 0, uses, &[(B::Histories, Write)]);
             vec![with_words(2 * past, pass("integrate", passes::INTEGRATE, Arguments::Motion, &uses))]
         }
+        StageKind::WallCollision => vec![pass(
+            "wall_collision",
+            passes::WALL_COLLISION,
+            Arguments::Motion,
+            &[
+                (B::Particles, Write),
+                (B::CellStarts, Read),
+                (B::Samples, Read),
+                (B::WallFaces, Read),
+                (B::Control, Read),
+            ],
+        )],
     }
 }
 

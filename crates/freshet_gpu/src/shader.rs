@@ -10,6 +10,7 @@ use freshet_core::plan::{Plan, StageKind};
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::solver::SolverError;
 use freshet_core::variable_support::EVALUATIONS;
+use freshet_core::wall_method::{Plane, Reflection, WallMethod};
 use freshet_shaders::library;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 use wgpu::naga;
@@ -30,6 +31,14 @@ pub(crate) const SCAN_BLOCK: u32 = 1024;
 pub(crate) const MAX_WORKGROUPS: u32 = 65_535;
 
 pub(crate) type Definitions = HashMap<String, ShaderDefValue>;
+
+/// Whether the GPU solver has the methods of a plan, asked without a device.
+///
+/// # Errors
+/// [`SolverError::Unsupported`] names the first that it has not.
+pub fn check(plan: &Plan) -> Result<(), SolverError> {
+    definitions(plan, &GpuOptions::default()).map(|_| ())
+}
 
 /// What the plan and the options select in the shaders.
 pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitions, SolverError> {
@@ -56,11 +65,17 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("HISTORY_WORDS", history_words(plan) as u32);
     number("PAST_WORDS", past_words(plan) as u32);
     number("WIDTH_EVALUATIONS", EVALUATIONS);
+    number("WALL_LATERAL_PERCENT", (100.0 * Plane::LATERAL_REACH).round() as u32);
+    number("WALL_REACH_PERCENT", (100.0 * Plane::REACH).round() as u32);
 
     let mut set = |name: &str| definitions.insert(name.to_owned(), ShaderDefValue::Bool(true));
-    let walls = !plan.boundary.positions.is_empty();
+    let walls = plan.sums_walls();
     let bodies = !plan.bodies.is_empty();
     let drag = WallDrag::of(plan);
+    let penalty = match parameters.wall_method {
+        WallMethod::Penalty(penalty) => Some(penalty),
+        _ => None,
+    };
     for (name, condition) in [
         ("WALLS", walls),
         ("BODIES", bodies),
@@ -86,6 +101,13 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("POSITION_BASED", plan.has(StageKind::PositionSolve)),
         ("LAST_SUBSTEP", parameters.density.is_carried() || plan.has(StageKind::PositionSolve)),
         ("SPEEDS_OF_STATE", !incompressible(plan) && !plan.has(StageKind::PositionSolve)),
+        ("WALL_LENNARD_JONES", parameters.wall_method == WallMethod::LennardJones),
+        ("WALL_KERNEL_FORCING", parameters.wall_method == WallMethod::KernelForcing),
+        ("WALL_MONAGHAN", parameters.wall_method == WallMethod::MonaghanRepulsion),
+        ("WALL_SPRINGS", matches!(parameters.wall_method, WallMethod::SpringDamper(_))),
+        ("WALL_SHARE", penalty.is_some_and(|penalty| penalty.reflection == Reflection::Share)),
+        ("WALL_MIRRORED", penalty.is_some_and(|penalty| penalty.reflection == Reflection::Mirrored)),
+        ("WALL_ONE_WAY", penalty.is_some_and(|penalty| penalty.one_way.is_some())),
         ("CLAMP_NEGATIVE_PRESSURE", parameters.pressure_law.clamp_negative),
     ] {
         if condition {

@@ -18,5 +18,6 @@ pub mod output;
 pub mod progress;
 pub mod reference;
 pub mod scenes;
+pub mod side_by_side;
 pub mod table;
 pub mod verdict;

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::settings::FluidSettings;
+use super::settings::{FluidFidelity, FluidSettings};
 use super::stats::FluidStats;
 
 /// A fluid and the space it lives in; owns one solver.
@@ -56,6 +56,14 @@ impl FluidDomain {
     #[must_use]
     pub fn on(mut self, backend: FluidBackend) -> Self {
         self.backend = backend;
+        self
+    }
+
+    /// The same domain simulated as accurately as that, all other settings at their defaults. A full configuration instead of it goes into
+    /// [`settings`](Self::settings).
+    #[must_use]
+    pub fn with_fidelity(mut self, fidelity: FluidFidelity) -> Self {
+        self.settings = FluidSettings { fidelity: Some(fidelity), ..FluidSettings::default() };
         self
     }
 

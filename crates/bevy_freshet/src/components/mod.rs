@@ -17,3 +17,4 @@ pub mod settings;
 pub mod stats;
 pub mod volume;
 pub mod wall;
+pub mod wall_method;

@@ -3,6 +3,8 @@
 use bevy::prelude::*;
 use freshet_core::density_form::DensityForm;
 use freshet_core::equation_of_state::EquationOfState;
+use freshet_core::error::InvalidInput;
+use freshet_core::fidelity;
 use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
 use freshet_core::position_based::PositionBased;
@@ -12,10 +14,16 @@ use freshet_core::relaxation::Relaxation;
 use freshet_core::scene::{Settings, Support};
 use freshet_core::viscosity::ViscosityModel;
 
+use super::wall_method::FluidWallMethod;
+
 /// How a fluid is simulated. The defaults are those of every chart and benchmark of Freshet.
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[reflect(Default, Clone, Debug, PartialEq)]
 pub struct FluidSettings {
+    /// How accurate the fluid is to be; chooses the other settings that say how it is simulated, which then have to be at their defaults
+    /// ([`expected_speed`](Self::expected_speed), [`viscosity_model`](Self::viscosity_model), [`relaxation`](Self::relaxation) and
+    /// [`bounds`](Self::bounds) may be set). None: these settings as they are.
+    pub fidelity: Option<FluidFidelity>,
     /// Smoothing kernel; not [`FluidKernel::Viscosity`], which has a Laplacian only.
     pub kernel: FluidKernel,
     /// Reach of the kernel over the spacing, 1.5 to 4.
@@ -50,6 +58,8 @@ pub struct FluidSettings {
     pub relaxation: Option<FluidRelaxation>,
     /// How the fluid's [`dynamic_viscosity`](super::material::Fluid::dynamic_viscosity) acts, beside the artificial one; none leaves it out.
     pub viscosity_model: Option<FluidViscosityModel>,
+    /// How walls act on the fluid; an incompressible fluid takes the default only.
+    pub wall_method: FluidWallMethod,
     /// How accelerations become velocities and positions; an incompressible fluid takes the default only, and
     /// [`FluidIntegrator::ForwardEuler`] and [`FluidIntegrator::PositionCorrectedBeeman`] are refused.
     pub integrator: FluidIntegrator,
@@ -76,6 +86,7 @@ impl FluidSettings {
     /// The model's settings, with the reach of the kernel over the spacing, which may have been given otherwise.
     pub(crate) fn from_settings(settings: &Settings, support_ratio: f32) -> Self {
         Self {
+            fidelity: settings.fidelity.map(Into::into),
             kernel: settings.kernel.into(),
             support_ratio,
             pressure_solver: settings.pressure_solver.into(),
@@ -93,6 +104,7 @@ impl FluidSettings {
             widest_support: settings.widest_support,
             relaxation: settings.relaxation.map(Into::into),
             viscosity_model: settings.viscosity_model.map(Into::into),
+            wall_method: settings.wall_method.into(),
             integrator: settings.integrator.into(),
             courant_factor: settings.courant_factor,
             force_factor: settings.force_factor,
@@ -105,6 +117,7 @@ impl FluidSettings {
     /// The same as the model knows it.
     pub(crate) fn to_settings(&self) -> Settings {
         Settings {
+            fidelity: self.fidelity.map(Into::into),
             kernel: self.kernel.into(),
             support: Support::Ratio(self.support_ratio),
             pressure_solver: self.pressure_solver.into(),
@@ -122,6 +135,7 @@ impl FluidSettings {
             widest_support: self.widest_support,
             relaxation: self.relaxation.map(Into::into),
             viscosity_model: self.viscosity_model.map(Into::into),
+            wall_method: self.wall_method.into(),
             integrator: self.integrator.into(),
             courant_factor: self.courant_factor,
             force_factor: self.force_factor,
@@ -129,6 +143,54 @@ impl FluidSettings {
             redo_substeps: self.redo_substeps,
             bounds: self.bounds,
             ..Settings::default()
+        }
+    }
+}
+
+/// How accurate a fluid is to be. What each chooses was measured: `docs/methods.md` has the chart, and
+/// [`FluidStats::notes`](super::stats::FluidStats) say what it is and why.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidFidelity {
+    /// The cheapest whose error is at most a tenth.
+    Fast,
+    /// Between both: the smallest product of cost and error.
+    #[default]
+    Balanced,
+    /// The smallest error.
+    Accurate,
+    /// The cheapest whose error is at most this, a share: 0.05 for 5 %. See [`within`](Self::within).
+    Within(f32),
+}
+
+impl FluidFidelity {
+    /// The cheapest whose error is at most `error`, a share: 0.05 for 5 %.
+    ///
+    /// # Errors
+    /// If no configuration reaches it.
+    pub fn within(error: f32) -> Result<Self, InvalidInput> {
+        fidelity::FluidFidelity::within(error).map(Into::into)
+    }
+}
+
+impl From<FluidFidelity> for fidelity::FluidFidelity {
+    fn from(fidelity: FluidFidelity) -> Self {
+        match fidelity {
+            FluidFidelity::Fast => Self::Fast,
+            FluidFidelity::Balanced => Self::Balanced,
+            FluidFidelity::Accurate => Self::Accurate,
+            FluidFidelity::Within(error) => Self::Within(error),
+        }
+    }
+}
+
+impl From<fidelity::FluidFidelity> for FluidFidelity {
+    fn from(of: fidelity::FluidFidelity) -> Self {
+        match of {
+            fidelity::FluidFidelity::Fast => Self::Fast,
+            fidelity::FluidFidelity::Balanced => Self::Balanced,
+            fidelity::FluidFidelity::Accurate => Self::Accurate,
+            fidelity::FluidFidelity::Within(error) => Self::Within(error),
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::components::domain::FluidDomain;
 use crate::components::layers::FluidLayers;
 use crate::components::membership::FluidInDomain;
 use crate::components::problem::report;
-use crate::components::settings::{FluidKernel, FluidSettings};
+use crate::components::settings::{FluidFidelity, FluidKernel, FluidSettings};
 use crate::simulation::state::BodySamples;
 
 /// What samples depend on; they are made anew when it changes.
@@ -22,6 +22,7 @@ use crate::simulation::state::BodySamples;
 pub(crate) struct SampledFrom {
     sampling: FluidBodySampling,
     spacing: f32,
+    fidelity: Option<FluidFidelity>,
     kernel: FluidKernel,
     support_ratio: f32,
     /// In the body's own frame, m: samples are relative to it, and another mass of one of several colliders moves it.
@@ -37,10 +38,10 @@ impl SampledFrom {
             let address = std::ptr::from_ref(collider.shape()).cast::<()>() as usize;
             (address, collider.is_enabled() && !collider.is_sensor(), collider.position_wrt_parent().copied())
         });
-        let FluidSettings { kernel, support_ratio, .. } = domain.settings;
+        let FluidSettings { fidelity, kernel, support_ratio, .. } = domain.settings;
         let (center_of_mass, colliders) = (body.local_center_of_mass(), colliders.collect());
         let sampling = fluid_body.sampling;
-        Self { sampling, spacing: domain.spacing, kernel, support_ratio, center_of_mass, colliders }
+        Self { sampling, spacing: domain.spacing, fidelity, kernel, support_ratio, center_of_mass, colliders }
     }
 }
 

@@ -5,9 +5,11 @@ use glam::Vec3;
 use super::SceneError;
 use crate::error::InvalidInput;
 use crate::grid::Grid;
+use crate::integrator::Integrator;
 use crate::periodic::{AXES, Periodic};
 use crate::pressure_solver::PressureSolver;
-use crate::scene::{Body, BodySampling, FluidScene, MAX_PARTICLES};
+use crate::scene::{Body, BodySampling, Boundary, BoundaryShape, FluidScene, FluidSide, MAX_PARTICLES, side_of};
+use crate::wall_method::WallMethod;
 
 /// Refuses particles so far from the origin that `f32` cannot tell a sixty-fourth of their spacing.
 pub(super) fn check_precision(corner: Vec3, spacing: f32) -> Result<(), InvalidInput> {
@@ -73,6 +75,51 @@ pub(super) fn check_friction(scene: &FluidScene) -> Result<(), InvalidInput> {
         return Err(InvalidInput::new("settings.integrator", integrator.name(), allowed));
     }
     Ok(())
+}
+
+/// Refuses boundaries that have what the walls' method does not.
+pub(super) fn check_wall_method(scene: &FluidScene) -> Result<(), InvalidInput> {
+    let method = scene.settings.wall_method;
+    if method.is_in_sums() {
+        return Ok(());
+    }
+    let integrator = scene.settings.integrator;
+    if matches!(method, WallMethod::Penalty(_)) && integrator != Integrator::default() {
+        let allowed = format!(
+            "{}, with a settings.wall_method of {}: others remember motions that a wall changes",
+            Integrator::default().name(),
+            method.name()
+        );
+        return Err(InvalidInput::new("settings.integrator", integrator.name(), allowed));
+    }
+    for (index, boundary) in scene.boundaries.iter().enumerate() {
+        let refused = |field: &str, value: &dyn std::fmt::Display, allowed: &str| {
+            let allowed = format!("{allowed}, with a settings.wall_method of {}", method.name());
+            Err(InvalidInput::new(format_args!("boundaries[{index}].{field}"), value, allowed))
+        };
+        if boundary.velocity != Vec3::ZERO {
+            return refused("velocity", &boundary.velocity, "zero");
+        }
+        if boundary.friction.is_some() && !method.has_friction() {
+            return refused("friction.at_rest", &boundary.friction.at_rest, "0");
+        }
+        if method.needs_faces() && has_two_sides(boundary) {
+            return refused("shape.fluid", &"Both", "Inside or Outside");
+        }
+    }
+    Ok(())
+}
+
+/// Whether there is fluid on both sides of a boundary's surface.
+fn has_two_sides(boundary: &Boundary) -> bool {
+    match &boundary.shape {
+        BoundaryShape::Sphere { fluid, .. }
+        | BoundaryShape::Cylinder { fluid, .. }
+        | BoundaryShape::Capsule { fluid, .. }
+        | BoundaryShape::Cone { fluid, .. } => *fluid == FluidSide::Both,
+        BoundaryShape::Mesh { mesh, fluid } => side_of(mesh, *fluid) == FluidSide::Both,
+        _ => false,
+    }
 }
 
 /// Refuses particles that settle among bodies whose places are not known yet.

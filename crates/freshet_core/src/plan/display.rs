@@ -84,6 +84,10 @@ impl fmt::Display for Plan {
         if p.near_pressure > 0.0 {
             writeln!(f, "  near pressure {} m2/s2 times the density", p.near_pressure)?;
         }
+        if !p.wall_method.is_in_sums() {
+            let strength = p.wall_strength;
+            writeln!(f, "  walls push by {} of strength {strength:.4e}", p.wall_method.name())?;
+        }
         if p.xsph > 0.0 {
             writeln!(f, "  XSPH with epsilon {}", p.xsph)?;
         }

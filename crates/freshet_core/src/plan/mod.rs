@@ -23,7 +23,7 @@ pub use self::stages::{Stage, StageKind};
 
 use self::checks::{
     check_bounds, check_carried_density, check_driven, check_friction, check_particles_within, check_periods,
-    check_position_based, check_precision, check_quasi_fluid, check_relaxation, max_particles,
+    check_position_based, check_precision, check_quasi_fluid, check_relaxation, check_wall_method, max_particles,
 };
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
@@ -101,6 +101,9 @@ impl Plan {
     /// particles, or a speed of sound below ten times the expected speed without [`Settings::allow_compressible`](crate::scene::Settings::allow_compressible).
     pub fn new(scene: &FluidScene) -> Result<Self, SceneError> {
         scene.validate()?;
+        if let Some(plan) = scene.plan_of_fidelity()? {
+            return Ok(plan);
+        }
         let settings = &scene.settings;
         let mut notes = Vec::new();
         let spacing = spacing_of(scene);
@@ -116,6 +119,7 @@ impl Plan {
         check_position_based(scene)?;
         check_relaxation(scene)?;
         check_friction(scene)?;
+        check_wall_method(scene)?;
 
         for (index, emitter) in scene.emitters.iter().enumerate() {
             emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;
@@ -123,7 +127,7 @@ impl Plan {
         let (mut positions, mut velocities, mut volume_ids) = sample_volumes(&scene.volumes, spacing)?;
         check_particles_within(&periodic, &positions, spacing)?;
         let layer = WallLayer::new(&kernel, spacing);
-        let boundary = sample_boundaries(&scene.boundaries, &periodic, &layer)?;
+        let boundary = sample_boundaries(&scene.boundaries, settings.wall_method, &periodic, &layer)?;
         let asked = volume_ids.clone();
         let start = Start { positions: &mut positions, velocities: &mut velocities, ids: &mut volume_ids };
         let left_out = leave_out(start, &scene.volumes, &scene.boundaries, &periodic, &layer);
@@ -237,6 +241,8 @@ impl Plan {
             widest_support: settings.widest_support,
             dynamic_viscosity: scene.physical_viscosity().map_or(0.0, |_| scene.material.dynamic_viscosity),
             viscous_calibration: kernel.lattice_viscous_sum(spacing) as f32,
+            wall_method: settings.wall_method,
+            wall_strength: settings.wall_method.strength(expected_speed, sound_speed, spacing),
             integrator: settings.integrator,
             courant_factor: settings.courant_factor,
             force_factor: settings.force_factor,
@@ -276,6 +282,11 @@ impl Plan {
     /// Whether the plan has a stage.
     pub fn has(&self, kind: StageKind) -> bool {
         self.stages.iter().any(|stage| stage.kind == kind)
+    }
+
+    /// Whether walls are in the sums of the fluid.
+    pub fn sums_walls(&self) -> bool {
+        self.parameters.wall_method.is_in_sums() && !self.boundary.positions.is_empty()
     }
 
     /// For each body, its index among the bodies of an earlier plan: the one of the same name, or of several with the same

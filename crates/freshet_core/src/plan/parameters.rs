@@ -9,6 +9,7 @@ use crate::integrator::Integrator;
 use crate::kernel::{Kernel, KernelKind};
 use crate::pressure_force::PressureForce;
 use crate::pressure_solver::{DivergenceFree, PressureSolver};
+use crate::wall_method::WallMethod;
 
 /// Every number the solvers use, derived once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +32,7 @@ pub struct Parameters {
     pub gradient_calibration: f32,
     /// Gamma of the boundary samples' volume weights, see [`WallLayer`](crate::sampling::wall_layer::WallLayer).
     pub boundary_gamma: f32,
-    /// How far behind the visible surface boundary samples lie, m, see [`WallLayer`](crate::sampling::wall_layer::WallLayer).
+    /// How far behind the visible surface samples that are in the sums lie, m, see [`WallLayer`](crate::sampling::wall_layer::WallLayer).
     pub boundary_depth: f32,
     /// How pressure is found.
     pub pressure_solver: PressureSolver,
@@ -69,6 +70,10 @@ pub struct Parameters {
     pub dynamic_viscosity: f32,
     /// Divisor of Morris' pair forces, so that a parabolic velocity on the rest lattice has its exact force.
     pub viscous_calibration: f32,
+    /// How walls act on the fluid.
+    pub wall_method: WallMethod,
+    /// How hard, see [`WallMethod::strength`].
+    pub wall_strength: f32,
     /// How accelerations become velocities and positions.
     pub integrator: Integrator,
     /// Step factors: Courant, force, viscous.
@@ -97,7 +102,7 @@ impl Parameters {
         let h = self.smoothing_length;
         let courant = self.courant_factor * h / (self.sound_speed + max_speed);
         let force = self.force_factor * (h / max_acceleration.max(1e-12)).sqrt();
-        courant.min(force).min(self.viscous_limit())
+        courant.min(force).min(self.steady_limit())
     }
 
     /// The substep of an incompressible fluid: its fastest particle, with the speed it is expected to leave the substep with, goes no
@@ -109,7 +114,7 @@ impl Parameters {
         let fall = (way / gravity.max(1e-12)).sqrt();
         let frequency = self.pressure_frequency * max_pressure.max(1e-12).sqrt() / self.spacing;
         let pressure = 2.0 * DivergenceFree::PRESSURE_FACTOR / frequency.max(1e-12);
-        courant.min(fall).min(pressure).min(self.viscous_limit())
+        courant.min(fall).min(pressure).min(self.steady_limit())
     }
 
     /// The substep of a position-based fluid: as that of an incompressible one, without the part of pressure.
@@ -151,6 +156,11 @@ impl Parameters {
         let nu = artificial + self.dynamic_viscosity / self.rest_density;
         let share = self.integrator.drag_limit() / Integrator::default().drag_limit();
         share * self.viscous_factor * self.smoothing_length * self.smoothing_length / nu.max(1e-12)
+    }
+
+    /// The substep allowed whatever the state of the fluid: by viscosity and by the springs of walls, s.
+    pub fn steady_limit(&self) -> f32 {
+        self.viscous_limit().min(self.wall_method.substep_limit(self.wall_strength))
     }
 
     /// The substep allowed by how fluid drags a body of so many samples that reach so far, m: what a light body gets from the fluid that

@@ -14,7 +14,8 @@ impl FluidScene {
     pub fn wall_layer(&self) -> Result<WallLayer, SceneError> {
         self.validate()?;
         let spacing = spacing_of(self);
-        Ok(WallLayer::new(&kernel_of(self, spacing)?, spacing))
+        let sampled = self.as_sampled()?;
+        Ok(WallLayer::new(&kernel_of(&sampled, spacing)?, spacing))
     }
 }
 

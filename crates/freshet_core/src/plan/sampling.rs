@@ -16,13 +16,14 @@ use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{Body, BodySampling, Boundary, BoundaryShape, FluidSide, MAX_PARTICLES, Shape, Volume, side_of};
 use crate::solid::Solid;
 use crate::swelling;
+use crate::wall_method::{Face, WallMethod, face_of};
 
 /// Samples of all boundaries that do not move.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlannedBoundary {
     /// Positions, m.
     pub positions: Vec<Vec3>,
-    /// Volume weights, m3.
+    /// Volume weights of samples that are in the sums, m3; else the volume of a particle.
     pub volumes: Vec<f32>,
     /// Whether the fluid's viscosity acts between it and the sample.
     pub viscous: Vec<bool>,
@@ -30,6 +31,8 @@ pub struct PlannedBoundary {
     pub velocities: Vec<Vec3>,
     /// Coefficients of friction of what sticks and of what slides; empty if there is none.
     pub frictions: Vec<[f32; 2]>,
+    /// The faces they stand for; empty if the method does not need them.
+    pub faces: Vec<Face>,
     /// Where walls are solid, in world coordinates.
     pub solids: Vec<Solid>,
 }
@@ -102,6 +105,7 @@ pub fn sample_volume(volume: &Volume, spacing: f32) -> Result<Vec<Vec3>, Invalid
 /// Samples of all boundaries, with their weights.
 pub(super) fn sample_boundaries(
     boundaries: &[Boundary],
+    method: WallMethod,
     periodic: &Periodic,
     layer: &WallLayer,
 ) -> Result<PlannedBoundary, SceneError> {
@@ -116,15 +120,25 @@ pub(super) fn sample_boundaries(
         return Err(too_many(expected).into());
     }
     let mut planned = PlannedBoundary::default();
+    let samples_layer = layer.of_method(method);
     for (index, boundary) in boundaries.iter().enumerate() {
-        let samples =
-            sample_boundary(boundary, layer).map_err(|error| located(error, format_args!("boundaries[{index}]")))?;
+        let samples = sample_boundary(boundary, &samples_layer)
+            .map_err(|error| located(error, format_args!("boundaries[{index}]")))?;
         check_walls_within(periodic, index, &samples, spacing)?;
-        planned.viscous.extend(samples.iter().map(|&sample| is_viscous(boundary, layer, sample)));
+        planned
+            .viscous
+            .extend(samples.iter().map(|&sample| method.is_in_sums() && is_viscous(boundary, layer, sample)));
         if planned.positions.len() + samples.len() > MAX_PARTICLES as usize {
             return Err(too_many((planned.positions.len() + samples.len()) as f64).into());
         }
-        planned.volumes.extend(layer.volumes_among(&samples, periodic));
+        if method.is_in_sums() {
+            planned.volumes.extend(layer.volumes_among(&samples, periodic));
+        } else {
+            planned.volumes.extend(samples.iter().map(|_| spacing.powi(3)));
+        }
+        if method.needs_faces() {
+            planned.faces.extend(samples.iter().map(|&sample| face_of(boundary, layer, sample)));
+        }
         if boundaries.iter().any(|boundary| boundary.velocity != Vec3::ZERO) {
             planned.velocities.extend(samples.iter().map(|_| boundary.velocity));
         }

@@ -9,6 +9,7 @@ use crate::pressure_force::PressureForce;
 use crate::pressure_solver::PressureSolver;
 use crate::scene::FluidScene;
 use crate::viscosity::ViscosityModel;
+use crate::wall_method::WallMethod;
 
 /// What a substep consists of; a solver may make several passes of a stage or fuse stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -27,6 +28,8 @@ pub enum StageKind {
     BodyDensity,
     /// Acceleration by pressure, viscosity and gravity.
     Acceleration,
+    /// What walls push by forces of their own.
+    WallForce,
     /// How fluid sticks to bodies and drags them along.
     BodyDrag,
     /// Force and torque of the fluid on each body.
@@ -45,6 +48,8 @@ pub enum StageKind {
     BodyMotion,
     /// Moves the particles.
     Integrate,
+    /// Puts particles back that got into walls.
+    WallCollision,
 }
 
 impl StageKind {
@@ -58,6 +63,7 @@ impl StageKind {
             StageKind::PositionSolve => "position_solve",
             StageKind::BodyDensity => "body_density",
             StageKind::Acceleration => "acceleration",
+            StageKind::WallForce => "wall_force",
             StageKind::BodyDrag => "body_drag",
             StageKind::BodyLoad => "body_load",
             StageKind::StepControl => "step_control",
@@ -67,6 +73,7 @@ impl StageKind {
             StageKind::DensitySolve => "density_solve",
             StageKind::BodyMotion => "body_motion",
             StageKind::Integrate => "integrate",
+            StageKind::WallCollision => "wall_collision",
         }
     }
 }
@@ -105,7 +112,8 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         PressureSolver::PositionBased(solver) => Some(solver),
         PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => None,
     };
-    let others = match (walls, bodies.is_empty()) {
+    let method = scene.settings.wall_method;
+    let others = match (walls && method.is_in_sums(), bodies.is_empty()) {
         (false, true) => "fluid only",
         (true, true) => "fluid and walls",
         (false, false) => "fluid and bodies",
@@ -144,6 +152,13 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         (false, Some(_)) => ", the material's viscosity and gravity",
     };
     add(StageKind::Acceleration, &format!("{pressure}{rest}"));
+    if walls && method.is_force() {
+        let name = method.name();
+        add(
+            StageKind::WallForce,
+            &format!("settings.wall_method is {name}: walls push by it alone, and fluid slips along them"),
+        );
+    }
     if let Some(model) = scene.physical_viscosity().filter(|_| !bodies.is_empty()) {
         add(StageKind::BodyDrag, &format!("fluid sticks to bodies by the material's viscosity ({})", model.name()));
     }
@@ -192,6 +207,13 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     let repeats = if scene.periodic.any() { "; the domain repeats itself" } else { "" };
     let what = integrator.in_solvers().unwrap_or_default();
     add(StageKind::Integrate, &format!("{}: {what}{repeats}", integrator.name()));
+    if walls && matches!(method, WallMethod::Penalty(_)) {
+        let name = method.name();
+        add(
+            StageKind::WallCollision,
+            &format!("settings.wall_method is {name}: walls put back what got into them, and do nothing else"),
+        );
+    }
     stages
 }
 

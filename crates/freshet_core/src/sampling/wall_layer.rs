@@ -26,6 +26,7 @@ use super::volume_weights::volume_weights;
 use crate::error::InvalidInput;
 use crate::kernel::Kernel;
 use crate::periodic::Periodic;
+use crate::wall_method::WallMethod;
 
 /// Depth and weight of boundary samples for a kernel and a spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +72,11 @@ impl WallLayer {
         let d = f64::from(self.spacing);
         let gamma = (d.powi(3) * own_sum(&self.kernel, d)) as f32;
         DEPTHS.map(|depth| Self { depth: depth * self.spacing, gamma, most: 0.95, ..*self })
+    }
+
+    /// The layer of samples by which a [method](crate::wall_method) pushes.
+    pub fn of_method(&self, method: WallMethod) -> Self {
+        Self { depth: method.depth(&self.kernel, self.spacing).unwrap_or(self.depth), ..*self }
     }
 
     /// How deep the layer lies in a solid in which a ball of `largest_ball` metres fits, m.

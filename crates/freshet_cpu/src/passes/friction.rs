@@ -3,15 +3,19 @@
 //! The walls push particle a with `n_a = -(1/G) rho0 sum_k V_k P_a F x_ak`, the pressure part of its acceleration, and in the sums
 //! below each sample counts with its coefficient of friction: `n_s` with that of what sticks, `n_k` with that of what slides. With
 //! `v = v_a + a_a dt` and `t` its part across `n_s`: `a_a -= t/dt` if `|t| <= |n_s| dt`, else `a_a -= |n_k| t/|t|`.
+//!
+//! Walls that are [springs](freshet_core::wall_method::SpringDamper) push with these instead of a pressure.
 
 use std::marker::PhantomData;
 
 use freshet_core::grid::Grid;
+use freshet_core::wall_method::SpringDamper;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::candidates::Candidates;
 use crate::lanes::{ScaledRoot, difference, sum_vector};
+use crate::near_walls::NearWalls;
 use crate::packed::Packed;
 use crate::particles::Particles;
 use crate::samples::SortedSamples;
@@ -110,6 +114,33 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
                 (ax[at], ay[at], az[at]) = (before - taken(velocity, most, sliding.length(), inputs.dt)).into();
             }
         }
+    }
+}
+
+/// The same of walls that are springs of a frequency in rad/s.
+pub fn of_springs(
+    near: NearWalls<'_>,
+    (spring, frequency): (SpringDamper, f32),
+    particles: &Particles,
+    (chunk, workspace): (&Chunk, &mut Workspace),
+    [ax, ay, az]: [&mut [f32]; 3],
+    dt: f32,
+) {
+    for i in chunk.particles.clone() {
+        let Some(around) = near.around(particles.position_of(i)) else { continue };
+        let (planes, count) = near.planes(&around, &mut workspace.near_walls);
+        let velocity = particles.velocity_of(i);
+        let mut pushes = [Vec3::ZERO; 2];
+        for plane in &planes[..count] {
+            let nearer = 0.5 * near.plan.parameters.spacing - plane.distance;
+            let push = spring.push(frequency, nearer, velocity.dot(plane.normal));
+            let coefficients = near.plan.boundary.frictions[near.source(plane.sample)];
+            pushes = [0, 1].map(|kind| pushes[kind] + coefficients[kind] * push * plane.normal);
+        }
+        let at = i - chunk.particles.start;
+        let before = Vec3::new(ax[at], ay[at], az[at]);
+        let [most, sliding] = pushes;
+        (ax[at], ay[at], az[at]) = (before - taken(velocity + dt * before, most, sliding.length(), dt)).into();
     }
 }
 

@@ -19,4 +19,6 @@ pub mod projection;
 pub mod sort;
 pub mod step_control;
 pub mod support;
+pub mod wall_collision;
+pub mod wall_force;
 pub mod xsph;

@@ -4,19 +4,21 @@ use freshet_core::integrator::Integrator;
 use freshet_core::near_pressure;
 use freshet_core::plan::{Parameters, StageKind};
 use freshet_core::pressure_solver::PressureSolver;
+use freshet_core::wall_method::WallMethod;
 use glam::{DVec3, Vec3};
 
 use super::CpuSolver;
 use super::answers::Load;
 use crate::candidates::Candidates;
 use crate::lanes::PADDING;
+use crate::near_walls::NearWalls;
 use crate::passes::acceleration::Maxima;
 use crate::passes::density::{Compression, Second};
 use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
 use crate::passes::{
     acceleration, body_density, body_drag, body_load, body_touch, continuity, density, friction, integrate, support,
-    xsph,
+    wall_collision, wall_force, xsph,
 };
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
@@ -335,9 +337,42 @@ impl CpuSolver {
         }
     }
 
+    /// Adds what walls push by themselves; the largest of the accelerations beside them.
+    pub(super) fn wall_force_stage(&mut self) -> Maxima {
+        let near = NearWalls { walls: &self.pushing_walls, plan: &self.plan };
+        let inputs = wall_force::Inputs { near, particles: &self.particles };
+        let results = self.acceleration.each_mut().map(Vec::as_mut_slice);
+        let tasks = Tasks::new(&self.sorter.chunks, (), results);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (), acceleration)| {
+            wall_force::wall_force(&inputs, chunk, workspace, acceleration)
+        })
+    }
+
+    /// Puts back what got into walls in the last `dt` seconds.
+    pub(super) fn wall_collision_stage(&mut self, dt: f32) {
+        let WallMethod::Penalty(penalty) = self.plan.parameters.wall_method else { return };
+        let near = NearWalls { walls: &self.pushing_walls, plan: &self.plan };
+        let [positions, velocities] = [&mut self.particles.position, &mut self.particles.velocity];
+        let moved = [positions, velocities].map(|values| values.each_mut().map(Vec::as_mut_slice));
+        let tasks = Tasks::new(&self.sorter.chunks, (), moved);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (_, (), moved)| {
+            wall_collision::wall_collision(near, &penalty, workspace, moved, dt);
+        });
+    }
+
     /// Takes what the friction of walls takes in `dt` seconds.
     pub(super) fn friction_stage(&mut self, dt: f32) {
         let parameters = &self.plan.parameters;
+        if let WallMethod::SpringDamper(spring) = parameters.wall_method {
+            let near = NearWalls { walls: &self.pushing_walls, plan: &self.plan };
+            let (particles, spring) = (&self.particles, (spring, parameters.wall_strength));
+            let results = self.acceleration.each_mut().map(Vec::as_mut_slice);
+            let tasks = Tasks::new(&self.sorter.chunks, (), results);
+            self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (), acceleration)| {
+                friction::of_springs(near, spring, particles, (chunk, workspace), acceleration, dt);
+            });
+            return;
+        }
         let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
         let inputs = friction::Inputs {
             arch: self.arch,

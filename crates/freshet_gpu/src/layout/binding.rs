@@ -74,6 +74,8 @@ pub enum Binding {
     Spawned,
     /// Coefficients of friction of wall samples: of what sticks and of what slides.
     WallFrictions,
+    /// Normals of the faces that wall samples stand for, and how far behind them samples lie, m, of plans whose walls push along them.
+    WallFaces,
     /// What particles move with beside their velocity, of plans with XSPH: four words each, the last unused.
     Drifts,
     /// [`BodyAnswerRecord`](records::BodyAnswerRecord): how bodies answer to the solves of an incompressible fluid.
@@ -90,7 +92,7 @@ pub enum Binding {
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 31] = [
+    pub const ALL: [Binding; 32] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -116,6 +118,7 @@ impl Binding {
         Binding::SampleLoads,
         Binding::Spawned,
         Binding::WallFrictions,
+        Binding::WallFaces,
         Binding::Drifts,
         Binding::Answers,
         Binding::Widths,
@@ -162,6 +165,7 @@ impl Binding {
             Binding::SampleLoads => "sample_loads",
             Binding::Spawned => "spawned",
             Binding::WallFrictions => "wall_frictions",
+            Binding::WallFaces => "wall_faces",
             Binding::Drifts => "drifts",
             Binding::Answers => "answers",
             Binding::Widths => "widths",
@@ -210,7 +214,7 @@ impl Binding {
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
             Binding::WallFrictions => "array<vec2<f32>>",
-            Binding::Drifts => "array<vec4<f32>>",
+            Binding::Drifts | Binding::WallFaces => "array<vec4<f32>>",
             Binding::CellCounts => "array<atomic<u32>>",
             Binding::Bodies => "array<BodyRecord>",
             Binding::BodyInputs => "array<BodyInputRecord>",
@@ -342,6 +346,7 @@ fn sum_of_pushes(i: u32) -> f32 { return places[i].sum; }
 fn place_own_row(i: u32) -> u32 { return places[i].own_row; }
 "
             }
+            Binding::WallFaces => "fn wall_face(k: u32) -> vec4<f32> { return wall_faces[k]; }\n",
             Binding::Drifts => "fn drift(i: u32) -> vec3<f32> { return drifts[i].xyz; }\n",
             Binding::Widths => "fn width(i: u32) -> f32 { return widths[i]; }\n",
             Binding::Histories => {

@@ -81,8 +81,8 @@ wgsl_struct! {
         courant_factor: f32,
         /// Step over sqrt(h / a).
         force_factor: f32,
-        /// Longest step that viscosity allows, s.
-        viscous_limit: f32,
+        /// Longest step that viscosity and springs of walls allow, s.
+        steady_limit: f32,
         /// Most time that one tick leaves to the next, s.
         longest_tick: f32,
         /// Most substeps in a tick.
@@ -163,10 +163,22 @@ wgsl_struct! {
         least_excess: f32,
         /// What the position-based solver adds to `K`.
         softness: f32,
+        /// d, m: of walls that push by themselves.
+        wall_spacing: f32,
+        /// How hard they push: m2/s2, of a spring 1/s2.
+        wall_strength: f32,
+        /// How much a spring takes of velocities, 1/s.
+        wall_damping: f32,
+        /// Share of the speed into a wall that comes back.
+        wall_bounce: f32,
         /// Monaghan's epsilon against clumping.
         tensile_correction: f32,
         /// One over the kernel's shape at a spacing.
         inverse_shape: f32,
+        /// Along this walls stop particles, if they do it one way only.
+        wall_way: Vec3,
+        /// Share of the speed along a wall that stays.
+        wall_slip: f32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.

@@ -1,9 +1,10 @@
-//! Charts as SVG: lines in one or more panels, at most four side by side, with one legend below, and [heat maps](heat).
+//! Charts as SVG: lines in one or more panels, at most four side by side, with one legend below, [heat maps](heat) and [costs against errors](scatter).
 //!
 //! Text is left to the viewer's fonts, so that no font library is needed.
 
 mod draw;
 pub mod heat;
+pub mod scatter;
 
 pub use draw::draw;
 

@@ -14,6 +14,7 @@ pub mod dam_break;
 pub mod float;
 pub mod integrators;
 pub mod leaks;
+pub mod pareto;
 pub mod peers;
 pub mod report;
 pub mod stability;
@@ -32,6 +33,7 @@ pub enum Command {
     Validate(validate::ValidateArgs),
     Stability(stability::StabilityArgs),
     Bench(bench::BenchArgs),
+    Pareto(pareto::ParetoArgs),
     Peers(peers::PeersArgs),
     Report(report::ReportArgs),
 }
@@ -49,6 +51,7 @@ impl Command {
             Command::Validate(args) => (!args.list).then_some(&args.common),
             Command::Stability(args) => Some(&args.common),
             Command::Bench(args) => Some(&args.common),
+            Command::Pareto(args) => Some(&args.common),
             Command::Peers(args) => Some(&args.common),
             Command::Report(_) => None,
         }
@@ -71,6 +74,7 @@ impl Command {
             Command::Validate(args) => validate::run(args),
             Command::Stability(args) => stability::run(args),
             Command::Bench(args) => bench::run(args),
+            Command::Pareto(args) => pareto::run(args),
             Command::Peers(args) => peers::run(args),
             Command::Report(args) => report::run(args),
         }

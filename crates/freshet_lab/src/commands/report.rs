@@ -38,7 +38,12 @@ struct Section {
 }
 
 /// In the order of the page; the cases of `validate` come after these.
-const SECTIONS: [Section; 11] = [
+const SECTIONS: [Section; 12] = [
+    Section {
+        stem: "pareto",
+        head: "Speed against accuracy",
+        about: "Every configuration on four scenes: what it costs, how far it is off, what nothing beats, what fails.",
+    },
     Section {
         stem: "dam_break",
         head: "Dam break",

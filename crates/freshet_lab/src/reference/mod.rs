@@ -3,6 +3,7 @@
 pub mod archimedes;
 pub mod couette;
 pub mod dam_break;
+pub mod ellipsoid;
 pub mod hulme_1982;
 pub mod hydrostatics;
 pub mod integrators;

@@ -1,4 +1,4 @@
-//! A channel between two plates: a piece eight spacings long and wide that repeats itself.
+//! A channel between two plates: a piece a few spacings long and wide that repeats itself.
 
 use std::f32::consts::PI;
 
@@ -13,8 +13,10 @@ pub const GAP: f64 = 1.0;
 pub const SPEED: f64 = 1.0;
 /// `SPEED * GAP / nu`.
 pub const REYNOLDS: f64 = 10.0;
-/// Length and width in spacings: four support radii, the shortest there is.
+/// Length and width in spacings: four support radii of the default, the shortest there is.
 const PIECE: f32 = 8.0;
+/// The same for supports up to three spacings.
+const WIDE_PIECE: f32 = 12.0;
 
 /// What moves the fluid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,8 +34,17 @@ pub fn kinematic_viscosity() -> f64 {
 
 /// The channel with `resolution` particles from plate to plate, the lower one at y = 0.
 pub fn scene(drive: Drive, resolution: u32) -> FluidScene {
+    piece(drive, resolution, PIECE)
+}
+
+/// The same, half as long and wide again: for supports up to three spacings.
+pub fn wide_scene(drive: Drive, resolution: u32) -> FluidScene {
+    piece(drive, resolution, WIDE_PIECE)
+}
+
+fn piece(drive: Drive, resolution: u32, spacings: f32) -> FluidScene {
     let spacing = (GAP / f64::from(resolution)) as f32;
-    let half = Vec3::new(PIECE * spacing, GAP as f32, PIECE * spacing) / 2.0;
+    let half = Vec3::new(spacings * spacing, GAP as f32, spacings * spacing) / 2.0;
     let plate = Boundary::new(BoundaryShape::Plane { half_extents: [half.x, half.z] }, Vec3::ZERO);
     let mut lid = Boundary { center: Vec3::Y * GAP as f32, rotation: Quat::from_rotation_x(PI), ..plate.clone() };
     let mut scene = FluidScene {

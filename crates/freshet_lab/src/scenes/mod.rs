@@ -1,5 +1,6 @@
 //! The laboratory's scenes. All use [`Settings::default`](freshet_core::scene::Settings): one set of numbers.
 
+pub mod ball;
 pub mod channel;
 pub mod column;
 pub mod krog;

@@ -1,21 +1,20 @@
-//! Freshet as a peer among peers: the tank with default settings.
+//! Freshet as a peer among peers: the tank with default settings, or with those of a fidelity.
 
 use freshet_core::plan::Plan;
+use freshet_core::scene::FluidScene;
 
 use super::run::{FRAME_INTERVAL, Finished, Frame, Kept, Task};
 use crate::backend::Backend;
 use crate::drive::Drive;
 use crate::error::LabError;
-use crate::method::Method;
 use crate::progress::Progress;
-use crate::scenes::tank;
 
 /// Ticks in a frame.
 const TICKS: u32 = 3;
 
-/// Runs the tank.
-pub fn run(task: &Task, method: Method, backend: Backend, progress: &mut Progress) -> Result<Finished, LabError> {
-    let plan = Plan::new(&method.on(tank::scene(task.particles)))?;
+/// Runs the tank as the scene has it.
+pub fn run(task: &Task, scene: &FluidScene, backend: Backend, progress: &mut Progress) -> Result<Finished, LabError> {
+    let plan = Plan::new(scene)?;
     let threads = (backend == Backend::Cpu).then_some(task.threads);
     let mut drive = Drive::new(backend.open(plan, threads)?, Vec::new());
     let mut frames = Vec::new();

@@ -10,6 +10,7 @@ mod splishsplash;
 use std::path::PathBuf;
 
 use clap::Args;
+use freshet_core::fidelity::FluidFidelity;
 use glam::Vec3;
 
 pub use run::{Finished, Frame, Kept, Task};
@@ -34,8 +35,8 @@ use crate::verdict::{Bound, Verdict};
 /// with the tank's outside thought full of water at rest. All start from the same lattice with the same mass.
 ///
 /// Bounds, of Freshet only: less than 1 % of the volume and no particle lost, time kept to 0.1 %; of its incompressible solver also the 99th percentile of
-/// the compression below 1 % and, where SPlisHSPlasH's DFSPH ran, at most its mean compression and half of its time (medians). Writes peers.csv (a
-/// row a run) and peers.svg.
+/// the compression below 1 % and, where SPlisHSPlasH's DFSPH ran, at most its mean compression and half of its time (medians); the cheapest configuration whose
+/// errors are within 5 % (`pareto`) at most a fifth of that time, and a tenth is aimed at. Writes peers.csv (a row a run) and peers.svg.
 #[derive(Args, Clone, Debug)]
 pub struct PeersArgs {
     /// Options every command has.
@@ -70,6 +71,9 @@ fn seconds(text: &str) -> Result<f64, String> {
 pub enum Peer {
     /// This project, default settings of a method.
     Freshet(Backend, Method),
+    /// This project, the cheapest configuration whose errors were [within](FluidFidelity::within) 5 %, that of a dam break's front
+    /// among them.
+    Within5Percent(Backend),
     /// salva3d's DFSPH with a tolerance on density.
     Salva {
         /// As a fraction.
@@ -86,7 +90,7 @@ impl Peer {
     /// Name of the system.
     pub fn system(self) -> &'static str {
         match self {
-            Peer::Freshet(..) => "Freshet",
+            Peer::Freshet(..) | Peer::Within5Percent(..) => "Freshet",
             Peer::Salva { .. } => "salva3d",
             Peer::Splishsplash { .. } => "SPlisHSPlasH",
         }
@@ -96,6 +100,7 @@ impl Peer {
     pub fn short(self) -> String {
         match self {
             Peer::Freshet(backend, method) => format!("{}, {}, {backend}", self.system(), method.name()),
+            Peer::Within5Percent(backend) => format!("{}, within 5 %, {backend}", self.system()),
             Peer::Salva { tolerance } => format!("{}, {} %", self.system(), tolerance * 100.0),
             Peer::Splishsplash { method } => format!("{}, {method}", self.system()),
         }
@@ -106,6 +111,10 @@ impl Peer {
         match self {
             Peer::Freshet(backend, Method::WeaklyCompressible) => format!("WCSPH, c = 10 v, {backend}"),
             Peer::Freshet(backend, method) => format!("{}, 0.1 %, 0.4 d a step, {backend}", method.name()),
+            Peer::Within5Percent(backend) => {
+                let chosen = FRONT_WITHIN.choice().map_or("none", |choice| choice.configuration);
+                format!("within 5 %: {chosen}, {backend}")
+            }
             Peer::Salva { tolerance } if tolerance == SALVA_DEFAULT => "DFSPH, 5 % (its default), CFL 0.5".to_owned(),
             Peer::Salva { tolerance } => format!("DFSPH, {} %, CFL 0.5", tolerance * 100.0),
             Peer::Splishsplash { method: "DFSPH" } => "DFSPH, 0.05 %, CFL 1 (its scenes)".to_owned(),
@@ -113,6 +122,9 @@ impl Peer {
         }
     }
 }
+
+/// Errors of fronts that count as right.
+const FRONT_WITHIN: FluidFidelity = FluidFidelity::Within(0.05);
 
 /// salva3d's own tolerance.
 const SALVA_DEFAULT: f32 = 0.05;
@@ -184,7 +196,8 @@ pub fn run(args: &PeersArgs) -> Result<Verdict, LabError> {
 /// Our methods.
 fn ours(backend: Backend) -> Vec<Peer> {
     // The incompressible one first: ratios are over the first, and it is what the others are to be compared with.
-    Method::ALL.into_iter().rev().map(|method| Peer::Freshet(backend, method)).collect()
+    let methods = Method::ALL.into_iter().rev().map(|method| Peer::Freshet(backend, method));
+    methods.chain([Peer::Within5Percent(backend)]).collect()
 }
 
 /// The systems that can run here; says which cannot and why.
@@ -206,7 +219,12 @@ fn available(args: &PeersArgs) -> Vec<Peer> {
 fn start(peer: Peer, task: &Task, args: &PeersArgs, progress: &mut Progress) -> Result<(Finished, String), LabError> {
     match peer {
         Peer::Freshet(backend, method) => {
-            Ok((freshet::run(task, method, backend, progress)?, env!("CARGO_PKG_VERSION").to_owned()))
+            let scene = method.on(tank::scene(task.particles));
+            Ok((freshet::run(task, &scene, backend, progress)?, env!("CARGO_PKG_VERSION").to_owned()))
+        }
+        Peer::Within5Percent(backend) => {
+            let scene = FRONT_WITHIN.configuration()?.on(&tank::scene(task.particles))?;
+            Ok((freshet::run(task, &scene, backend, progress)?, env!("CARGO_PKG_VERSION").to_owned()))
         }
         #[cfg(feature = "peers")]
         Peer::Salva { tolerance } => Ok((salva::run(task, tolerance, progress)?, salva::VERSION.to_owned())),
@@ -244,7 +262,7 @@ fn measured(peer: Peer, version: String, repeat: u16, task: &Task, finished: &Fi
 
 fn verdict(runs: &[Run]) -> Verdict {
     let mut verdict = Verdict::default();
-    for run in runs.iter().filter(|run| matches!(run.peer, Peer::Freshet(..))) {
+    for run in runs.iter().filter(|run| run.peer.system() == "Freshet") {
         let name = |what: &str| format!("Freshet, {}, run {}: {what}", run.peer.settings(), run.repeat);
         // Not known is not kept.
         let (lost, time_scale) = run.kept.map_or((f64::NAN, f64::NAN), |kept| (kept.lost as f64, kept.time_scale));
@@ -278,6 +296,12 @@ fn compare(runs: &[Run], verdict: &mut Verdict) {
         (Some(own), Some(other)) => verdict.check(times, other / own, "x", Bound::AtLeast(2.0)),
         _ => verdict.leave_open(times, "x", Bound::AtLeast(2.0)),
     }
+    let cheapest = Peer::Within5Percent(Backend::Cpu);
+    let times = format!("Freshet, {}: times as fast as SPlisHSPlasH, aim 10", cheapest.settings());
+    match (median_of(cheapest, Run::cost), median_of(theirs, Run::cost)) {
+        (Some(own), Some(other)) => verdict.check(times, other / own, "x", Bound::AtLeast(5.0)),
+        _ => verdict.leave_open(times, "x", Bound::AtLeast(5.0)),
+    }
 }
 
 #[cfg(test)]
@@ -298,7 +322,7 @@ mod tests {
             positions: (0..1000).map(|i| (site(i) + 0.5) * 0.1 + Vec3::X * 0.1 * step).collect(),
         };
         let wall = Duration::from_secs_f64(seconds);
-        let kept = matches!(peer, Peer::Freshet(..)).then_some(Kept { lost: 0, time_scale: 1.0 });
+        let kept = (peer.system() == "Freshet").then_some(Kept { lost: 0, time_scale: 1.0 });
         let finished = Finished { wall, steps: 100, frames: vec![frame(1.0), frame(2.0)], kept };
         measured(peer, "1.2.3".to_owned(), repeat, &task(), &finished)
     }
@@ -334,5 +358,16 @@ mod tests {
         assert!(!passes(0.79, 0.079, 0.99), "slower than half");
         assert!(!passes(0.81, 0.081, 0.99), "more compressed");
         assert!(!passes(0.81, 0.079, 1.01), "some more compressed");
+    }
+
+    #[test]
+    fn the_cheapest_that_is_right_takes_a_fifth_of_their_time() {
+        let passes = |seconds| {
+            let cheapest = measured_run(Peer::Within5Percent(Backend::Cpu), 1, 0.1);
+            let other = measured_run(Peer::Splishsplash { method: "DFSPH" }, 1, seconds);
+            verdict(&[cheapest, other]).passes()
+        };
+        assert!(passes(0.51) && !passes(0.49));
+        assert!(Peer::Within5Percent(Backend::Cpu).settings().starts_with("within 5 %: "));
     }
 }

@@ -149,9 +149,10 @@ fn csv(runs: &[Run], date: &str) -> Csv {
 }
 
 /// A colour for each peer: ours in blue.
-const COLOURS: [Colour; 6] = [
+const COLOURS: [Colour; 7] = [
     Colour::BLUES[2],
     Colour(0x9b, 0x59, 0xb6),
+    Colour::BLUES[1],
     Colour(0xc7, 0x8f, 0xdd),
     Colour(0x2e, 0x8b, 0x57),
     Colour::ORANGE,

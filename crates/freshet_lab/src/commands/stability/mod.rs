@@ -4,10 +4,6 @@ mod report;
 mod search;
 mod trial;
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
-
 use clap::Args;
 use freshet_core::kernel::KernelKind;
 
@@ -19,6 +15,7 @@ use crate::error::LabError;
 use crate::options::{BackendChoice, CommonOptions, ThreadOption};
 use crate::output::{Output, say, say_files};
 use crate::progress::Progress;
+use crate::side_by_side::{cores, side_by_side};
 use crate::verdict::{Bound, Verdict};
 
 /// The largest stable time step as a CFL number, `dt (c + v) / h`, with no other limit on the step; of divergence-free SPH `dt v / d`.
@@ -112,12 +109,13 @@ pub fn run(args: &StabilityArgs) -> Result<Verdict, LabError> {
         let configurations = args.configurations(backend);
         let workers = match backend {
             Backend::Gpu => 1,
-            Backend::Cpu => {
-                args.threads.count().unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
-            }
+            Backend::Cpu => args.threads.count().unwrap_or_else(cores),
         };
         let mut progress = Progress::new(configurations.len() as f64);
-        side_by_side(&configurations, workers, args.precision(backend), |result| {
+        let precision = args.precision(backend);
+        let of =
+            |configuration: &Configuration| search(configuration, precision, |number| survives(configuration, number));
+        side_by_side(&configurations, workers, of, |result| {
             progress.begin(result.configuration.to_string(), 1.0);
             found.push(result);
             report::write(&output, &found)
@@ -128,45 +126,6 @@ pub fn run(args: &StabilityArgs) -> Result<Verdict, LabError> {
     say(report::table(&found));
     say_files(&output, &report::FILES);
     Ok(verdict(&found))
-}
-
-/// Searches all configurations, `workers` at a time, and hands on each result as it comes.
-fn side_by_side(
-    configurations: &[Configuration],
-    workers: usize,
-    precision: f64,
-    mut done: impl FnMut(Found) -> Result<(), LabError>,
-) -> Result<(), LabError> {
-    let (next, stop) = (AtomicUsize::new(0), Mutex::new(false));
-    let (sender, receiver) = mpsc::channel();
-    std::thread::scope(|scope| {
-        for _ in 0..workers.max(1) {
-            let (sender, next, stop) = (sender.clone(), &next, &stop);
-            let of = |configuration: &Configuration| {
-                search(configuration, precision, |number| survives(configuration, number))
-            };
-            scope.spawn(move || {
-                while let Some(configuration) = configurations.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    if stop.lock().is_ok_and(|stop| *stop) || sender.send(of(configuration)).is_err() {
-                        return;
-                    }
-                }
-            });
-        }
-        drop(sender);
-        let mut outcome = Ok(());
-        for result in receiver {
-            if outcome.is_ok() {
-                outcome = result.and_then(&mut done);
-            }
-            if outcome.is_err()
-                && let Ok(mut stop) = stop.lock()
-            {
-                *stop = true;
-            }
-        }
-        outcome
-    })
 }
 
 /// The plan's default step is stable with the plan's other defaults.

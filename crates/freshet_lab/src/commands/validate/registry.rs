@@ -67,7 +67,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 32] = [
+pub const CASES: [&Case; 33] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -83,6 +83,7 @@ pub const CASES: [&Case; 32] = [
     &cases::deep_column::CASE,
     &cases::deep_column::DIVERGENCE_FREE,
     &cases::calm::CASE,
+    &cases::walls::CASE,
     &cases::draft::CASE,
     &cases::light_and_heavy::CASE,
     &cases::added_mass::CASE,

@@ -24,4 +24,5 @@ pub mod spin;
 pub mod splash;
 pub mod stacked;
 pub mod taylor_green;
+pub mod walls;
 pub mod wet;
