@@ -39,6 +39,10 @@ struct Own {
 #ifdef NEAR_PRESSURE
     near_pressure: f32,
 #endif
+#ifdef TENSILE_CORRECTION
+    tensile_correction: f32,
+    inverse_shape: f32,
+#endif
 #ifdef WIDTHS
     width: f32,
 #endif
@@ -88,11 +92,25 @@ fn own_of(a: u32) -> Own {
 #ifdef NEAR_PRESSURE
     own.near_pressure = fields::parameters.near_pressure;
 #endif
+#ifdef TENSILE_CORRECTION
+    own.tensile_correction = fields::parameters.tensile_correction;
+    own.inverse_shape = fields::parameters.inverse_shape;
+#endif
 #ifdef WIDTHS
     own.width = fields::width(a);
 #endif
     return own;
 }
+
+#ifdef TENSILE_CORRECTION
+// R f^4 (freshet_core::tensile_correction)
+fn tensile(own: Own, term: f32, q: f32) -> f32 {
+    let pulls = -own.tensile_correction * (min(own.pressure_term, 0.0) + min(term, 0.0));
+    let strength = select(pulls, 0.01 * (own.pressure_term + term), min(own.pressure_term, term) > 0.0);
+    let ratio = kernels::shape(q) * own.inverse_shape;
+    return strength * ratio * ratio * ratio * ratio;
+}
+#endif
 
 #ifdef NEAR_PRESSURE
 // f'(q) / q of f(q) = (1 - q)^4
@@ -124,6 +142,9 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
     let velocity = own.velocity - motion.xyz;
     let term = pressure_term(b, motion.w);
     var factor = own.pressure_term + term;
+#ifdef TENSILE_CORRECTION
+    factor += tensile(own, term, q);
+#endif
 #ifdef MUELLER_FORCE
     // (p_a + p_b) / (rho_a rho_b), see freshet_core::pressure_force
     let harder = own.pressure_term * own.density - term * motion.w;
@@ -139,7 +160,12 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
     return (factor * slope + near) * x;
 #endif
 #else
-    return ((own.pressure_term + pressure_term(b, 0.0)) * slope + near) * x;
+    let term = pressure_term(b, 0.0);
+    var factor = own.pressure_term + term;
+#ifdef TENSILE_CORRECTION
+    factor += tensile(own, term, q);
+#endif
+    return (factor * slope + near) * x;
 #endif
 }
 

@@ -5,9 +5,10 @@
 //!
 //! *Continuity*, `d rho_a/dt = (1/G) [m sum_b v_ab . grad W_ab + rho0 sum_k V_k v_a . grad W_ak]`: exact on the rest lattice for every velocity that is linear in space, zero for
 //! one that turns or carries along. With this `G`, that of the force, Monaghan's force and the rate are those of one energy: what the force takes of motion the rate puts into
-//! compression. A particle at the surface starts at rest density and keeps it. What is summed up over time is also what goes wrong over time:
-//! nothing in the densities knows of particles that crowd slowly, and where streams meet, or part and meet again, densities are those of another way there. `freshet_lab validate --case
-//! density-drift` measures how far they go from sums.
+//! compression. A particle at the surface starts at rest density and keeps it. What is summed up over time is also what can go wrong over time: nothing in the
+//! densities knows of particles that crowd slowly, and where streams meet, or part and meet again, densities are those of another way there. Measured
+//! (`freshet_lab validate --case density-drift`, three seconds of a dam break, 8, 12 and 20 particles a side): 1.3, 1.0 and 1.0 % RMS inside the fluid off sums with another kernel, where sums are 1.9,
+//! 1.6 and 1.3 % off these. A column at rest is ten times as calm as with sums (0.4 mm/s for 3.7, `hydrostatic-continuity`, 8 particles deep).
 //!
 //! In a substep of `dt` seconds particles go straight, by `v dt` with the velocity after it. The rate is that in the middle of this way:
 //! `e_a' = e_a + dt/(G rho0) [...]` with `grad W` at `x_ab - v_ab dt/2`, `e = rho/rho0 - 1`, found at the start of the next substep with the neighbours of then. With that the error of a step is of third order: taken at the end

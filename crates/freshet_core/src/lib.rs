@@ -35,6 +35,7 @@ pub mod solid;
 pub mod solver;
 pub mod step;
 pub mod swelling;
+pub mod tensile_correction;
 pub mod variable_support;
 pub mod viscosity;
 pub mod wall_method;

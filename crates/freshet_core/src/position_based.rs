@@ -18,7 +18,10 @@
 //!
 //! What the fixed number of iterations does not undo stays: the fluid gives in like a spring. An iteration pushes with `C/K`, so that `n` of them hold the pressure `p` at a compression of
 //! about `p dt^2 / (rho0 n omega d^2)` times a number of the kernel: stiffness is that of iterations and step, not of the material, and a deeper column sinks in further (`freshet_lab validate --case
-//! position-based`). It takes any step without flying apart, which is what it is for.
+//! position-based`). By default half a metre of
+//! water, 8 particles deep, loses 2.3 % of its depth in substeps of 8 ms, 0.7 % with 32 iterations and 0.4 % in substeps of 2 ms, 20 particles deep 9.7, 1.6 and 0.8 %; its pressure is that of the weight above within 2 % in all of these. Nor is the
+//! energy conserved: a density too large by `e` is undone at a speed of `e d/dt`, from nothing, the faster the shorter the substep. By the measures of
+//! `freshet_lab stability` (energy within 5 %, mean compression within 5 %) it fails at both ends. Fronts of breaking dams are as near to experiments as with the other solvers.
 
 use serde::{Deserialize, Serialize};
 

@@ -297,6 +297,9 @@ pub struct Settings {
     /// under tension, of negative pressures that are not [clamped](Self::clamp_negative_pressure), from clumping: 0.01 does, more
     /// than that loosens the fluid. See [`near_pressure`](crate::near_pressure).
     pub near_pressure: f32,
+    /// Monaghan's epsilon against clumping under tension, 0 to 1; zero takes it out of the plan, his own is 0.2. Weakly compressible fluids of one width of support. See
+    /// [`tensile_correction`](crate::tensile_correction).
+    pub tensile_correction: f32,
     /// XSPH's epsilon, 0 to 1; zero takes it out of the plan. Particles move with a share of the mean velocity around them, which keeps
     /// streams that meet from passing through each other; velocities stay as they are. See [`xsph`](crate::xsph).
     pub xsph: f32,
@@ -350,6 +353,7 @@ impl Default for Settings {
             allow_compressible: false,
             artificial_viscosity: 0.03,
             near_pressure: 0.0,
+            tensile_correction: 0.0,
             xsph: 0.0,
             widest_support: 1.0,
             relaxation: None,
@@ -402,6 +406,9 @@ impl Settings {
         }
         if self.near_pressure > 0.0 {
             return Err(InvalidInput::new("near_pressure", self.near_pressure, allowed));
+        }
+        if self.tensile_correction > 0.0 {
+            return Err(InvalidInput::new("tensile_correction", self.tensile_correction, allowed));
         }
         if self.widest_support != 1.0 {
             return Err(InvalidInput::new("widest_support", self.widest_support, allowed));
@@ -468,8 +475,13 @@ impl Settings {
         }
         check_range("artificial_viscosity", self.artificial_viscosity, 0.0, 1.0, "")?;
         check_range("near_pressure", self.near_pressure, 0.0, 0.1, "")?;
+        check_range("tensile_correction", self.tensile_correction, 0.0, 1.0, "")?;
         check_range("xsph", self.xsph, 0.0, 1.0, "")?;
         check_range("widest_support", self.widest_support, 1.0, variable_support::MOST, "times the support radius")?;
+        if self.widest_support != 1.0 && self.tensile_correction > 0.0 {
+            let allowed = "0, with a settings.widest_support above 1";
+            return Err(InvalidInput::new("tensile_correction", self.tensile_correction, allowed));
+        }
         if self.widest_support != 1.0 && self.pressure_force != PressureForce::Monaghan {
             let allowed = "Monaghan, with a settings.widest_support above 1";
             return Err(InvalidInput::new("pressure_force", self.pressure_force.name(), allowed));

@@ -88,6 +88,10 @@ impl Work {
                     // A loop of its own: differences of densities and pressures, divisor, dividend, quotient, product.
                     per_pair += DISTANCE + RELATIVE + slope + 6 + ADD_VECTOR;
                 }
+                if parameters.tensile_correction > 0.0 {
+                    // A loop of its own: kernel and its fourth power, tensions, choice, product.
+                    per_pair += DISTANCE + RELATIVE + shape + slope + 3 + 7 + 2 + ADD_VECTOR;
+                }
                 if parameters.near_pressure > 0.0 {
                     // A loop of its own.
                     per_pair += DISTANCE + RELATIVE + 1 + 3 + 2 + ADD_VECTOR;

@@ -887,13 +887,14 @@ fn the_position_based_solver_is_refused_with_what_it_does_not_do() {
     fn solver(scene: &mut FluidScene, iterations: u32, softness: f32) {
         scene.settings.pressure_solver = PressureSolver::PositionBased(PositionBased { iterations, softness });
     }
-    let refused: [(fn(&mut FluidScene), [&str; 2]); 8] = [
+    let refused: [(fn(&mut FluidScene), [&str; 2]); 9] = [
         (|scene| solver(scene, 0, 0.0), ["settings.pressure_solver.iterations: 0", "1 to 1000"]),
         (|scene| solver(scene, 4, -1.0), ["settings.pressure_solver.softness: -1", "0 to 10"]),
         (|scene| scene.settings.integrator = Integrator::Leapfrog, ["settings.integrator", "weakly compressible"]),
         (|scene| scene.settings.redo_substeps = true, ["settings.redo_substeps", "position-based"]),
         (|scene| scene.settings.density = DensityForm::Continuity, ["settings.density", "weakly compressible"]),
         (|scene| scene.settings.near_pressure = 0.01, ["settings.near_pressure", "weakly compressible"]),
+        (|scene| scene.settings.tensile_correction = 0.2, ["settings.tensile_correction", "weakly compressible"]),
         (|scene| scene.bodies = vec![cork()], ["settings.pressure_solver: position-based", "1 bodies"]),
         (
             |scene| scene.boundaries[0].friction = Friction { at_rest: 0.5, sliding: 0.25 },

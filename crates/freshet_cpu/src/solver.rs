@@ -20,6 +20,7 @@ use freshet_core::relaxation::relax;
 use freshet_core::snapshot::{BodyPose, Exchange, Snapshot, carried_over, check_room};
 use freshet_core::solver::{FluidSolver, Schedule, SolverError};
 use freshet_core::step::{PassTime, StepInput, StepReport};
+use freshet_core::tensile_correction::inverse_shape;
 use glam::Vec3;
 
 use self::answers::Load;
@@ -116,6 +117,8 @@ pub struct CpuSolver {
     width: Vec<f32>,
     /// Of plans whose pressures are solved for.
     solve: PressureSolve,
+    /// Of plans that have it: see [`acceleration`](crate::passes::acceleration::Inputs::tensile).
+    tensile: Option<[f32; 2]>,
     /// Of plans that move particles apart.
     positions: PositionSolve,
     /// Length of the last substep, s; zero if there was none.
@@ -237,6 +240,7 @@ impl CpuSolver {
             width: Vec::new(),
             solve: PressureSolve::default(),
             positions: PositionSolve::default(),
+            tensile: None,
             last_substep: 0.0,
             integrator: Integrator::default(),
             walls: SortedSamples::default(),
@@ -311,6 +315,9 @@ impl CpuSolver {
         self.width = Vec::new();
         self.solve = PressureSolve::default();
         self.positions = PositionSolve::default();
+        let parameters = &self.plan.parameters;
+        let kernel = parameters.kernel().ok().filter(|_| parameters.tensile_correction > 0.0);
+        self.tensile = kernel.map(|kernel| [parameters.tensile_correction, inverse_shape(&kernel, parameters.spacing)]);
         self.before = Before::default();
         let solves = self.plan.has(StageKind::DivergenceSolve);
         if solves != self.particles.keeps_pressures() {
@@ -321,7 +328,7 @@ impl CpuSolver {
             self.last_substep = 0.0;
         }
         let carries = self.plan.parameters.density.is_carried();
-        if carries != !self.particles.excess.is_empty() {
+        if carries == self.particles.excess.is_empty() {
             self.particles.carry_densities(carries);
             self.last_substep = 0.0;
             // From a state that another plan left: pressures go on, and what lacked neighbours lacks them no more.

@@ -137,7 +137,13 @@ fn reference(plan: &Plan, state: &Snapshot) -> Reference {
                     PressureForce::Monaghan => term[a] + term[b],
                     PressureForce::Mueller => (pressure[a] + pressure[b]) / (density[a] * density[b]),
                 };
-                sum += mass * (push + viscous) * slope * apart;
+                // Monaghan 2000.
+                let both = term[a] > 0.0 && term[b] > 0.0;
+                let tension = f64::from(p.tensile_correction) * (-term[a].min(0.0) - term[b].min(0.0));
+                let repels = if both { 0.01 * (term[a] + term[b]) } else { tension };
+                let ratio = kernel.value(apart.length()) / kernel.value(f64::from(p.spacing));
+                let repels = if p.tensile_correction > 0.0 { repels * ratio.powi(4) } else { 0.0 };
+                sum += mass * (push + viscous + repels) * slope * apart;
                 if a != b {
                     sum += mass * 2.0 * f64::from(p.near_pressure) / rest * steep(apart.length()) * apart;
                 }
@@ -221,6 +227,30 @@ fn near_pressure_agrees_too() {
             let plan = Plan::new(&scene).unwrap();
             assert!(plan.parameters.near_pressure > 0.0);
             assert_agrees(&plan, instruction_set);
+        }
+    }
+}
+
+/// With tensions and without, and with each viscosity.
+#[test]
+fn tensile_correction_agrees_too() {
+    for (alpha, clamp, instruction_set) in [
+        (0.05, false, InstructionSet::Widest),
+        (0.0, false, InstructionSet::Scalar),
+        (0.0, true, InstructionSet::Widest),
+    ] {
+        for mut scene in [scene(KernelKind::WendlandC2, alpha), channel(KernelKind::CubicSpline, alpha)] {
+            scene.settings.tensile_correction = 0.2;
+            scene.settings.clamp_negative_pressure = clamp;
+            let plan = Plan::new(&scene).unwrap();
+            assert_agrees(&plan, instruction_set);
+            let mut without = plan.clone();
+            without.parameters.tensile_correction = 0.0;
+            let state = jittered(&plan);
+            let [one, other] = [&plan, &without].map(|plan| reference(plan, &state).acceleration);
+            let largest = one.iter().map(|a| a.length()).fold(0.0, f64::max);
+            let apart = one.iter().zip(&other).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
+            assert!(apart > 1e-3 * largest, "{apart} of {largest}");
         }
     }
 }

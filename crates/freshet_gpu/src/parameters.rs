@@ -6,6 +6,7 @@ use freshet_core::near_pressure;
 use freshet_core::plan::Plan;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::step::StepInput;
+use freshet_core::tensile_correction::inverse_shape;
 use freshet_core::wall_method::{Penalty, WallMethod};
 use glam::{UVec3, Vec3};
 
@@ -119,6 +120,8 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         least_diagonal: p.least_diagonal,
         relaxation: p.relaxation,
         softness: p.softness,
+        tensile_correction: p.tensile_correction,
+        inverse_shape: p.kernel().map_or(0.0, |kernel| inverse_shape(&kernel, p.spacing)),
         longest_way: p.longest_way(),
         pressure_limit: 2.0 * DivergenceFree::PRESSURE_FACTOR * p.spacing / p.pressure_frequency.max(1e-12),
         shortest_substep: DivergenceFree::SHORTEST,

@@ -84,6 +84,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("ARTIFICIAL_VISCOSITY", parameters.artificial_viscosity > 0.0),
         ("MUELLER_FORCE", parameters.pressure_force == PressureForce::Mueller),
         ("NEAR_PRESSURE", parameters.near_pressure > 0.0),
+        ("TENSILE_CORRECTION", parameters.tensile_correction > 0.0),
         ("XSPH_DRIFT", parameters.xsph > 0.0),
         ("WIDTHS", parameters.widest_support > 1.0),
         ("MORRIS_VISCOSITY", parameters.dynamic_viscosity > 0.0),

@@ -145,7 +145,8 @@ fn compare(plan: &Plan, state: &Snapshot, cpu: &mut CpuSolver, gpu: &mut GpuSolv
     for duration in [0.0, 0.25] {
         cpu.restore(state).unwrap();
         gpu.restore(state).unwrap();
-        let input = tick(state.tick, duration);
+        let bodies = if plan.bodies.is_empty() { Vec::new() } else { bodies() };
+        let input = StepInput { bodies, ..tick(state.tick, duration) };
         let (a, b) = (cpu.step(&input).unwrap(), gpu.step(&input).unwrap());
         assert_eq!((a.substeps, b.substeps), (1, 1));
         // Rounded to a whole part of the tick, of which there are about a thousand.
@@ -224,6 +225,47 @@ fn stages_with_supports_of_different_widths_agree_and_a_wrong_width_is_found() {
         let found = states.iter().any(|(_, state)| compare(&plan, state, &mut cpu, &mut wrong).is_err());
         assert!(found, "{from} -> {to} went unnoticed");
     }
+}
+
+/// A dam break without bodies by one of the methods that go without: at 0, 0.2 and 0.6 s of its own.
+fn compare_without_bodies(change: impl Fn(&mut Settings)) {
+    let mut scene = FluidScene { bodies: Vec::new(), ..scene() };
+    change(&mut scene.settings);
+    let mut solver = cpu(&Plan::new(&scene).unwrap());
+    let mut states = vec![solver.snapshot().unwrap()];
+    for number in 0..36u64 {
+        solver.step(&StepInput { tick: number, duration: 1.0 / 60.0, ..StepInput::default() }).unwrap();
+        if [12, 36].contains(&(number + 1)) {
+            states.push(solver.snapshot().unwrap());
+        }
+    }
+    scene.settings.max_substeps = 1;
+    let plan = Plan::new(&scene).unwrap();
+    let (mut cpu, mut gpu) = (cpu(&plan), gpu(&plan, None));
+    for state in &states {
+        let compared = compare(&plan, state, &mut cpu, &mut gpu);
+        compared.unwrap_or_else(|error| panic!("from tick {}: {error}", state.tick));
+    }
+}
+
+#[test]
+fn stages_with_densities_that_are_carried_agree() {
+    compare_without_bodies(|settings| settings.density = DensityForm::Continuity);
+}
+
+#[test]
+fn stages_of_a_position_based_fluid_agree() {
+    compare_without_bodies(|settings| {
+        settings.pressure_solver = PressureSolver::PositionBased(PositionBased::default());
+    });
+}
+
+#[test]
+fn stages_with_a_correction_of_tensions_agree() {
+    compare_without_bodies(|settings| {
+        settings.clamp_negative_pressure = false;
+        settings.tensile_correction = 0.2;
+    });
 }
 
 /// Walls that push by themselves, each method from states that came of it; springs also with friction, whose direction two backends only agree about where

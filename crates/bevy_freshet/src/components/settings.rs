@@ -48,6 +48,8 @@ pub struct FluidSettings {
     pub artificial_viscosity: f32,
     /// Near pressure over the square of the speed of sound, 0 to 0.1: see [`Settings::near_pressure`].
     pub near_pressure: f32,
+    /// Monaghan's epsilon against clumping under tension, 0 to 1: see [`Settings::tensile_correction`].
+    pub tensile_correction: f32,
     /// XSPH's epsilon, 0 to 1: see [`Settings::xsph`].
     pub xsph: f32,
     /// Widest support of a particle over the reach of the kernel, 1 to 3; 1 gives all the same: see [`Settings::widest_support`].
@@ -97,6 +99,7 @@ impl FluidSettings {
             allow_compressible: settings.allow_compressible,
             artificial_viscosity: settings.artificial_viscosity,
             near_pressure: settings.near_pressure,
+            tensile_correction: settings.tensile_correction,
             xsph: settings.xsph,
             widest_support: settings.widest_support,
             relaxation: settings.relaxation.map(Into::into),
@@ -127,6 +130,7 @@ impl FluidSettings {
             allow_compressible: self.allow_compressible,
             artificial_viscosity: self.artificial_viscosity,
             near_pressure: self.near_pressure,
+            tensile_correction: self.tensile_correction,
             xsph: self.xsph,
             widest_support: self.widest_support,
             relaxation: self.relaxation.map(Into::into),

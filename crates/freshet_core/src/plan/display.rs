@@ -78,6 +78,9 @@ impl fmt::Display for Plan {
                 super::Parameters::MOST_REDOS
             )?;
         }
+        if p.tensile_correction > 0.0 {
+            writeln!(f, "  tensile correction {}", p.tensile_correction)?;
+        }
         if p.near_pressure > 0.0 {
             writeln!(f, "  near pressure {} m2/s2 times the density", p.near_pressure)?;
         }

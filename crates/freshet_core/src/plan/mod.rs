@@ -236,6 +236,7 @@ impl Plan {
             expected_speed,
             artificial_viscosity: settings.artificial_viscosity,
             near_pressure: settings.near_pressure * sound_speed * sound_speed,
+            tensile_correction: settings.tensile_correction,
             xsph: settings.xsph,
             widest_support: settings.widest_support,
             dynamic_viscosity: scene.physical_viscosity().map_or(0.0, |_| scene.material.dynamic_viscosity),

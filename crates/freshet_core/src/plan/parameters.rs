@@ -59,6 +59,8 @@ pub struct Parameters {
     pub artificial_viscosity: f32,
     /// k of the near pressure `k rho`, m2/s2; zero for none. See [`near_pressure`](crate::near_pressure).
     pub near_pressure: f32,
+    /// Monaghan's epsilon against clumping; zero for none. See [`tensile_correction`](crate::tensile_correction).
+    pub tensile_correction: f32,
     /// Epsilon of XSPH; zero for none. See [`xsph`](crate::xsph).
     pub xsph: f32,
     /// Widest support of a particle over the support radius; 1 where all have the same. See

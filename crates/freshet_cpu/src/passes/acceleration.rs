@@ -10,6 +10,7 @@ use std::marker::PhantomData;
 
 use freshet_core::grid::Grid;
 use freshet_core::pressure_force::PressureForce;
+use freshet_core::tensile_correction::POSITIVE;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -56,6 +57,8 @@ pub struct Inputs<'a> {
     pub physical: Option<Viscosity>,
     /// `2 k/rho0 A_near/A`: near pressure in units of the fluid's factor; zero for a plan without.
     pub near_pressure: f32,
+    /// Monaghan's epsilon against clumping, and `1/f(d/H)`; of plans that have it.
+    pub tensile: Option<[f32; 2]>,
     /// `0.01 h^2`, m2.
     pub softening: f32,
     /// m/s2.
@@ -173,6 +176,12 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: 
             }
             if (ARTIFICIAL || PHYSICAL) && inputs.force == PressureForce::Mueller {
                 add_mueller::<S, K>(simd, pairs, own, viscous, sums);
+            }
+            if let Some(tensile) = inputs.tensile {
+                match ARTIFICIAL || PHYSICAL {
+                    true => add_tensile::<S, K, 8>(simd, pairs, own, viscous, tensile, sums),
+                    false => add_tensile::<S, K, 4>(simd, pairs, own, calm, tensile, sums),
+                }
             }
             if inputs.near_pressure > 0.0 {
                 match ARTIFICIAL || PHYSICAL {
@@ -379,6 +388,39 @@ fn add_mueller<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: 
             let densities = simd.mul_f32s(simd.splat_f32s(own_density), density);
             let strength = divide(simd, simd.mul_f32s(denser, harder), densities);
             add(simd, sum, simd.mul_f32s(strength, pairs.slope::<K>(simd, squared)), difference);
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// Monaghan's repulsion under tension, see `freshet_core::tensile_correction`: `sum_b R f^4 f'(q)/q x_ab` over the fluid. A loop of its own: few plans have it.
+#[inline(always)]
+fn add_tensile<S: Simd, K: SimdKernel, const N: usize>(
+    simd: S,
+    pairs: Pairs<S>,
+    own: Own,
+    all: &Packed<N>,
+    [epsilon, inverse_shape]: [f32; 2],
+    sums: &mut [[S::f32s; 3]],
+) {
+    let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+    let (epsilon, inverse_shape) = (simd.splat_f32s(epsilon), simd.splat_f32s(inverse_shape));
+    let positive = simd.splat_f32s(POSITIVE);
+    let mut first = 0;
+    while first < all.len() {
+        let lanes = all.lanes::<S>(first);
+        for (sum, position, own_term) in own.with(sums) {
+            let (difference, squared) = difference(simd, position, [lanes[0], lanes[1], lanes[2]]);
+            let own_term = simd.splat_f32s(own_term);
+            let pulls = simd.add_f32s(simd.min_f32s(own_term, zero), simd.min_f32s(lanes[3], zero));
+            let pulls = simd.mul_f32s(simd.sub_f32s(zero, epsilon), pulls);
+            let presses = simd.mul_f32s(positive, simd.add_f32s(own_term, lanes[3]));
+            let both = simd.less_than_f32s(zero, simd.min_f32s(own_term, lanes[3]));
+            let q = simd.min_f32s(pairs.in_radii.of(simd, squared), one);
+            let ratio = simd.mul_f32s(K::shape(simd, q), inverse_shape);
+            let square = simd.mul_f32s(ratio, ratio);
+            let strength = simd.mul_f32s(simd.select_f32s(both, presses, pulls), simd.mul_f32s(square, square));
+            add(simd, sum, simd.mul_f32s(strength, K::slope_over_q(simd, q)), difference);
         }
         first += S::F32_LANES;
     }

@@ -192,6 +192,7 @@ impl CpuSolver {
                 2.0 * parameters.near_pressure / parameters.rest_density
                     * (near_pressure::NORMALISATION / parameters.kernel.normalisation()) as f32,
             ),
+            tensile: self.tensile.filter(|_| all),
             softening: 0.01 * h * h,
             gravity: if all { self.gravity } else { Vec3::ZERO },
             maxima: all,

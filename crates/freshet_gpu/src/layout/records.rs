@@ -171,10 +171,10 @@ wgsl_struct! {
         wall_damping: f32,
         /// Share of the speed into a wall that comes back.
         wall_bounce: f32,
-        /// Vectors begin at multiples of 16 bytes.
-        pad_a: u32,
-        /// See above.
-        pad_b: u32,
+        /// Monaghan's epsilon against clumping.
+        tensile_correction: f32,
+        /// One over the kernel's shape at a spacing.
+        inverse_shape: f32,
         /// Along this walls stop particles, if they do it one way only.
         wall_way: Vec3,
         /// Share of the speed along a wall that stays.

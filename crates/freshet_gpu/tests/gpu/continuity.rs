@@ -63,7 +63,7 @@ fn error(solver: &mut GpuSolver) -> f64 {
     };
     let volume = f64::from(p.particle_mass) / f64::from(p.rest_density);
     let mut worst = 0.0f64;
-    for a in 0..start.ids.len() {
+    for (a, &density) in densities.iter().enumerate() {
         let (x, v) = (start.positions[a].as_dvec3(), start.velocities[a].as_dvec3());
         let (mut sum, mut size) = (0.0, 0.0);
         let mut add = |weight: f64, other: DVec3, moving: DVec3| {
@@ -84,7 +84,7 @@ fn error(solver: &mut GpuSolver) -> f64 {
         let scale = dt / f64::from(p.gradient_calibration);
         let excess = f64::from(start.excesses[a]) + scale * sum;
         worst = worst.max((f64::from(after.excesses[a]) - excess).abs() / (scale * size + 1e-3));
-        let density = f64::from(densities[a]);
+        let density = f64::from(density);
         assert!((density - 1000.0 * (1.0 + f64::from(after.excesses[a]))).abs() < 1e-4 * 2.0, "{density}");
     }
     worst

@@ -254,6 +254,28 @@ fn near_pressure_repels_as_in_the_reference() {
 }
 
 #[test]
+fn tension_is_corrected_as_in_the_reference() {
+    let with = |mut scene: FluidScene| {
+        scene.settings.tensile_correction = 0.2;
+        scene.settings.clamp_negative_pressure = false;
+        scene
+    };
+    let plain = Settings { artificial_viscosity: 0.0, kernel: KernelKind::CubicSpline, ..Default::default() };
+    for scene in [with(dam_break(0.05)), with(channel()), with(FluidScene { settings: plain, ..dam_break(0.05) })] {
+        check(&scene);
+    }
+    for patch in
+        [("let pulls = -own", "let pulls = -1.1 * own"), ("0.01 * (own.pressure_term", "0.02 * (own.pressure_term")]
+    {
+        let options = GpuOptions { patch: Some(patch), ..Default::default() };
+        let found = errors(&mut solver_with(&with(dam_break(0.05)), options))[2];
+        assert!(found > TOLERANCES[2], "{patch:?} makes an error of {found:e} only");
+    }
+    let has = |scene: &FluidScene| solver(scene).shader("acceleration").unwrap().contains("fn tensile");
+    assert!(has(&with(dam_break(0.05))) && !has(&dam_break(0.05)), "only a plan that has it has it in its shader");
+}
+
+#[test]
 fn the_other_form_of_the_pressure_force_is_that_of_the_reference() {
     let with = |mut scene: FluidScene| {
         scene.settings.pressure_force = PressureForce::Mueller;

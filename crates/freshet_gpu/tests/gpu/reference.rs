@@ -93,7 +93,14 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                     PressureForce::Monaghan => term + other_pressure / (other_density * other_density),
                     PressureForce::Mueller => (pressure + other_pressure) / (density * other_density),
                 };
-                add(mass * (push + viscous), x, slope);
+                // Monaghan 2000.
+                let (own_term, other_term) = (term, other_pressure / (other_density * other_density));
+                let tension = -f64::from(p.tensile_correction) * (own_term.min(0.0) + other_term.min(0.0));
+                let both = own_term > 0.0 && other_term > 0.0;
+                let repels = if both { 0.01 * (own_term + other_term) } else { tension };
+                let ratio = kernel.value(x.length()) / kernel.value(f64::from(p.spacing));
+                let repels = if p.tensile_correction > 0.0 { repels * ratio.powi(4) } else { 0.0 };
+                add(mass * (push + viscous + repels), x, slope);
                 // Clavet et al. 2005 and Pirovano 2011: W = 105/(4 pi H^7) (H - r)^4.
                 let (r, radius) = (x.length(), f64::from(p.support_radius));
                 let left = (radius - r).max(0.0);

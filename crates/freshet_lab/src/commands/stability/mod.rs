@@ -32,7 +32,7 @@ pub struct StabilityArgs {
     /// Configurations that run side by side on the CPU, one thread each.
     #[command(flatten)]
     pub threads: ThreadOption,
-    /// Solver options to try [default: all; quick: tait]; allowed: tait, linear, unclamped, near-pressure, morris-viscosity, xsph,
+    /// Solver options to try [default: all; quick: tait]; allowed: tait, linear, unclamped, near-pressure, tensile-correction, morris-viscosity, xsph,
     /// variable-support, continuity, position-based, dfsph. What stability.csv in the folder holds of the others stays in it and in the map.
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = option)]
     pub options: Vec<SolverOption>,

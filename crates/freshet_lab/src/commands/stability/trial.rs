@@ -81,6 +81,8 @@ pub enum SolverOption {
     Tension,
     /// The same with a near pressure of 0.01 c2 rho against clumping.
     NearPressure,
+    /// The same with Monaghan's correction in place of the near pressure ([`tensile_correction`](freshet_core::tensile_correction)), 0.2.
+    TensileCorrection,
     /// Morris' viscosity in place of Monaghan's, as large as that acts: `nu = alpha c h / 10` (Monaghan 2005, eq. 8.8).
     Morris,
     /// Particles that move with half of the mean velocity around them ([`xsph`](freshet_core::xsph)).
@@ -100,11 +102,12 @@ pub enum SolverOption {
 impl SolverOption {
     /// All of them, the plan's default first. [`redo_substeps`](freshet_core::scene::Settings::redo_substeps) is none of them: it
     /// shortens the very step whose length is asked for.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Tait,
         Self::Linear,
         Self::Tension,
         Self::NearPressure,
+        Self::TensileCorrection,
         Self::Morris,
         Self::Xsph,
         Self::VariableSupport,
@@ -120,6 +123,7 @@ impl SolverOption {
             Self::Linear => "linear",
             Self::Tension => "unclamped",
             Self::NearPressure => "near pressure",
+            Self::TensileCorrection => "tensile correction",
             Self::Morris => "Morris viscosity",
             Self::Xsph => "XSPH",
             Self::VariableSupport => "variable support",
@@ -201,10 +205,13 @@ impl Configuration {
             SolverOption::Linear => scene.settings.equation_of_state = Some(EquationOfState::Linear { sound_speed }),
             _ => scene.settings.sound_speed = Some(sound_speed),
         }
-        scene.settings.clamp_negative_pressure =
-            !matches!(self.option, SolverOption::Tension | SolverOption::NearPressure);
+        scene.settings.clamp_negative_pressure = !matches!(
+            self.option,
+            SolverOption::Tension | SolverOption::NearPressure | SolverOption::TensileCorrection
+        );
         match self.option {
             SolverOption::NearPressure => scene.settings.near_pressure = 0.01,
+            SolverOption::TensileCorrection => scene.settings.tensile_correction = 0.2,
             SolverOption::Xsph => scene.settings.xsph = 0.5,
             SolverOption::Continuity => scene.settings.density = DensityForm::Continuity,
             SolverOption::VariableSupport => scene.settings.widest_support = 1.5,

@@ -43,8 +43,9 @@ const END: f64 = 4.0;
 const LATE: f64 = 1.0;
 /// Duration of a tick, s: shorter than any limit of the substep.
 const TICK: f64 = 1.0 / 120.0;
-/// How much less deep the default may be than the water that it is: a cube that is, not how it should be. With 32 iterations, or steps of a quarter, a third of what it sinks in, or less.
-const SUNK: f64 = 0.25;
+/// Most of its depth that the default may lose, over the particles of depth: a guard (2.3, 4.3 and 9.7 % were measured at 8, 12 and 20).
+const SUNK: f64 = 0.006;
+/// Most that a cube with 32 iterations, or steps of a quarter, may lose of what the default does.
 const SHARE: f64 = 0.34;
 
 /// What came of a cube.
@@ -108,7 +109,12 @@ fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level
     };
     let default = &found[0].1;
     let mut checks = vec![
-        Check::new("depth lost by default", 100.0 * default.sunk, "%", Bound::AtMost(100.0 * SUNK)),
+        Check::new(
+            "depth lost by default",
+            100.0 * default.sunk,
+            "%",
+            Bound::AtMost(100.0 * SUNK * f64::from(resolution)),
+        ),
         Check::new("RMS of the pressure by default", 100.0 * off(default), "%", Bound::AtMost(10.0)),
     ];
     for (tried, rest) in &found[1..] {
