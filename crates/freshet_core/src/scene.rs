@@ -439,6 +439,8 @@ impl Settings {
             format!("{name} as settings.integrator: rates are those of particles that move with their velocities")
         } else if self.relaxation.is_some() {
             "settings.relaxation: particles settle by the sums of densities".to_owned()
+        } else if matches!(self.wall_method, WallMethod::Penalty(_)) {
+            "walls by penalty as settings.wall_method: they put particles elsewhere without any velocity".to_owned()
         } else {
             return Ok(());
         };

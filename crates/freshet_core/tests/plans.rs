@@ -844,7 +844,8 @@ fn a_density_that_is_carried_is_refused_with_what_its_rate_does_not_know() {
     assert_eq!(plan.excesses.len(), plan.positions.len());
     assert!(plan.stages.iter().any(|stage| stage.reason.contains("particles carry")));
     assert!(Plan::new(&dam_break()).unwrap().excesses.is_empty());
-    let refused: [(fn(&mut FluidScene), &str); 7] = [
+    let refused: [(fn(&mut FluidScene), &str); 8] = [
+        (|scene| scene.settings.wall_method = WallMethod::Penalty(Penalty::DEFAULT), "settings.wall_method"),
         (|scene| scene.settings.widest_support = 1.5, "settings.widest_support"),
         (|scene| scene.settings.xsph = 0.5, "settings.xsph"),
         (|scene| scene.settings.integrator = Integrator::Leapfrog, "leapfrog"),

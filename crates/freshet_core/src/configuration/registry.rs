@@ -573,4 +573,14 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         "free fluid under tension without clumps (Pirovano 2011)",
         "between walls it adds energy",
     ),
+    of(
+        Cohesion,
+        "tensile-correction",
+        |scene, _| {
+            scene.settings.clamp_negative_pressure = false;
+            scene.settings.tensile_correction = 0.2;
+        },
+        "the same by a force instead of a density (Monaghan 2000)",
+        "violent flows under tension fail with it, too",
+    ),
 ];
