@@ -2,7 +2,8 @@
 //!
 //! Every [configuration](crate::configuration) was run on four scenes with exact or measured references (a dam break, a column at rest, a ball that is
 //! drawn out, a viscous channel), at two resolutions. Its error is that of the scene it does worst on; its cost is wall seconds per simulated second, the geometric
-//! mean of the four. [`MEASURED`] holds what nothing else was both faster and better than, and what each did on a fifth scene that took no part in the choice.
+//! mean of the four. Settings go with any spacing, so that what counts is the error at the worse of both resolutions, and what fails at one of them is not offered. [`MEASURED`] holds what
+//! nothing else was both faster and better than, and what each did on a fifth scene that took no part in the choice.
 
 mod measured;
 
@@ -35,7 +36,7 @@ use crate::scene::{FluidScene, Settings, Shape};
 pub enum FluidFidelity {
     /// The cheapest whose error is at most a tenth.
     Fast,
-    /// Between both: the smallest product of cost and error.
+    /// Between both, if there is anything: the smallest product of cost and error.
     Balanced,
     /// The smallest error.
     Accurate,
@@ -48,13 +49,15 @@ pub enum FluidFidelity {
 pub struct Measured {
     /// Name of the [`Configuration`].
     pub configuration: &'static str,
-    /// Particles across the fluid.
-    pub across: u32,
-    /// Error of the worst of the four scenes, a share.
+    /// Fewest particles across the fluid that it was measured with.
+    pub coarsest: u32,
+    /// Most of them.
+    pub finest: u32,
+    /// Error of the worst of the four scenes at the worse resolution, a share.
     pub error: f32,
-    /// Wall seconds per simulated second on one thread, the geometric mean of the four; of use for comparison only.
+    /// Wall seconds per simulated second on one thread at the finest resolution, the geometric mean of the four; of use for comparison only.
     pub cost: f32,
-    /// Error of the fifth scene, a share; infinite if it failed there.
+    /// Error of the fifth scene at the finest resolution, a share; infinite if it failed there.
     pub held_out: f32,
 }
 
@@ -150,12 +153,12 @@ impl FluidScene {
         let mut plan = Plan::new(&configuration.on(&self.plain())?)?;
         let changes = configuration.changes()?;
         let changes = if changes.is_empty() { "all defaults".to_owned() } else { changes.join(", ") };
-        let Measured { across, error, held_out, .. } = choice;
+        let Measured { coarsest, finest, error, held_out, .. } = choice;
         plan.notes.insert(
             0,
             format!(
-                "fidelity {}: configuration {} ({changes}); nothing faster had an error as small: {:.1} % on the worst of four scenes with \
-                 {across} particles across the fluid, {:.1} % on a fifth",
+                "fidelity {}: configuration {} ({changes}); nothing faster had an error as small: {:.1} % on the worst of four scenes, with \
+                 {coarsest} to {finest} particles across the fluid, {:.1} % on a fifth",
                 fidelity.name(),
                 configuration.name,
                 100.0 * error,
@@ -164,11 +167,11 @@ impl FluidScene {
         );
         let here = self.volumes.iter().map(|volume| narrowest(volume.shape)).fold(f32::INFINITY, f32::min);
         let here = here / plan.parameters.spacing;
-        if here < *across as f32 * 0.99 {
+        if here < *coarsest as f32 * 0.99 {
             plan.notes.insert(
                 1,
                 format!(
-                    "coarser than that was measured: {here:.1} particles across the narrowest volume, not {across}"
+                    "coarser than that was measured: {here:.1} particles across the narrowest volume, not {coarsest}"
                 ),
             );
         }

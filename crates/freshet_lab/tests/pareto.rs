@@ -5,12 +5,15 @@ use std::time::Duration;
 
 use freshet_core::configuration::Configuration;
 use freshet_core::fidelity::{FluidFidelity, MEASURED};
+use freshet_core::plan::Plan;
+use freshet_core::scene::{Body, Boundary, FluidScene, Friction, Volume};
 use freshet_lab::backend::Backend;
 use freshet_lab::commands::pareto::scenes::{CHOSEN_BY, HELD_OUT, Job};
-use freshet_lab::commands::pareto::{Failure, ParetoArgs, document, front, read, run, table_of_fidelity};
+use freshet_lab::commands::pareto::{Failure, ParetoArgs, choices, document, front, read, run, table_of_fidelity};
 use freshet_lab::error::LabError;
 use freshet_lab::options::{BackendChoice, CommonOptions};
 use freshet_lab::output::Output;
+use glam::Vec3;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -36,11 +39,30 @@ fn the_table_and_the_document_are_what_the_recorded_chart_gives() -> Result<(), 
     );
     assert!(text(&root().join("docs/methods.md"))? == document(&points)?, "docs/methods.md is not up to date: {again}");
     // What is compiled is what is written.
-    let on_front = front(&points, Backend::Cpu);
+    let choices = choices(&points);
+    let on_front = front(&choices, Backend::Cpu);
     assert_eq!(on_front.len(), MEASURED.len());
     for (point, row) in on_front.iter().zip(&MEASURED) {
-        assert_eq!((point.configuration.name, point.across), (row.configuration, row.across));
+        assert_eq!((point.configuration.name, point.across), (row.configuration, row.finest));
         assert!(point.error().is_some_and(|error| (error as f32 / row.error - 1.0).abs() < 1e-3), "{row:?}");
+    }
+    Ok(())
+}
+
+/// Whoever names an error does not know what is chosen: it has to go with all that a scene may have.
+#[test]
+fn what_is_offered_goes_with_bodies_and_rough_walls_on_both_backends() -> Result<(), LabError> {
+    let half = Vec3::splat(0.25);
+    let body = Body { samples: vec![Vec3::X * 0.1, Vec3::NEG_X * 0.1], ..Body::default() };
+    let scene = FluidScene {
+        volumes: vec![Volume::block(half, half)],
+        boundaries: vec![Boundary::open_box(Vec3::ONE, Vec3::splat(0.5)).with_friction(Friction::coulomb(0.5))],
+        bodies: vec![body],
+        ..FluidScene::with_spacing(0.0625)
+    };
+    for row in &MEASURED {
+        let plan = Plan::new(&Configuration::named(row.configuration)?.on(&scene)?)?;
+        freshet_gpu::check(&plan)?;
     }
     Ok(())
 }
@@ -49,7 +71,7 @@ fn the_table_and_the_document_are_what_the_recorded_chart_gives() -> Result<(), 
 fn presets_hold_the_error_they_are_named_by_where_they_were_not_chosen() -> Result<(), LabError> {
     for preset in FluidFidelity::PRESETS {
         let named = preset.choice()?;
-        let job = Job { across: named.across, ..job(named.configuration, Backend::Cpu, 300)? };
+        let job = Job { across: named.finest, ..job(named.configuration, Backend::Cpu, 300)? };
         let error = (HELD_OUT.simulate)(&job)?.error().unwrap_or(f64::INFINITY);
         assert!(error <= f64::from(named.error), "{preset:?}: {error} of {named:?}");
     }

@@ -59,11 +59,11 @@ impl FluidDomain {
         self
     }
 
-    /// The same domain simulated as accurately as that, all other settings at their defaults. A full configuration instead of it goes into
+    /// The same domain simulated as accurately as that. Settings that it chooses have to be at their defaults; a full configuration instead of it goes into
     /// [`settings`](Self::settings).
     #[must_use]
     pub fn with_fidelity(mut self, fidelity: FluidFidelity) -> Self {
-        self.settings = FluidSettings { fidelity: Some(fidelity), ..FluidSettings::default() };
+        self.settings.fidelity = Some(fidelity);
         self
     }
 

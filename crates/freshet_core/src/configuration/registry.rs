@@ -240,7 +240,7 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         Solver,
         "position-based-16",
         |scene, _| position_based(scene, 16),
-        "four times as stiff",
+        "the same, stiffer: three times with eight times the iterations",
         "four times the iterations, still a spring",
     ),
     of(
@@ -257,7 +257,7 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         Density,
         "adapted-density",
         |scene, _| scene.settings.density = DensityForm::Adapted,
-        "fluids of several densities (Solenthaler & Pajarola 2008)",
+        "comparison with Solenthaler & Pajarola 2008, whose form is for several densities",
         "with one mass it is the sum: the same pass",
     ),
     of(
@@ -271,7 +271,7 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         Density,
         "adapted-continuity",
         |scene, _| scene.settings.density = DensityForm::AdaptedContinuity,
-        "fluids of several densities, carried",
+        "the same, carried",
         "with one mass it is continuity: the same pass",
     ),
     of(
@@ -285,7 +285,7 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         Walls,
         "kernel-forcing",
         |scene, _| scene.settings.wall_method = WallMethod::KernelForcing,
-        "cheap walls (Pirovano 2011)",
+        "walls of a kernel that is there anyway (Pirovano 2011)",
         "as strong as the speed that is expected, and no stronger",
     ),
     of(
@@ -363,7 +363,7 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         "poly6",
         |scene, _| scene.settings.kernel = KernelKind::Poly6,
         "densities, not pressures",
-        "pressure: no gradient at the centre, every dam break fails",
+        "pressure: no gradient at the centre, so that particles clump",
     ),
     of(
         Kernel,
@@ -415,7 +415,7 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         "variable-support",
         |scene, _| scene.settings.widest_support = 1.5,
         "fluid that thins out and keeps its neighbours",
-        "half of the dam breaks fail; slow",
+        "four times the time; half of the dam breaks fail at larger steps",
     ),
     of(
         Integration,

@@ -47,8 +47,6 @@ pub struct Entry {
     pub name: String,
     /// Two numbers.
     pub numbers: [String; 2],
-    /// What is special about it; often nothing.
-    pub mark: String,
     /// Its colour.
     pub colour: Colour,
 }
@@ -198,10 +196,6 @@ fn draw_into(svg: &mut String, chart: &Scatter) -> Drawn {
         root.draw_text(&entry.name, &from_left(TICK_SIZE).color(&ink), (LIST + 30, at))?;
         root.draw_text(&entry.numbers[0], &from_right(TICK_SIZE), (LIST + 340, at))?;
         root.draw_text(&entry.numbers[1], &from_right(TICK_SIZE), (LIST + 424, at))?;
-        if !entry.mark.is_empty() {
-            at += LINE - 4;
-            root.draw_text(&entry.mark, &bold(from_left(TICK_SIZE)), (LIST + 30, at))?;
-        }
         at += LINE;
     }
     at += LINE / 2;
@@ -280,7 +274,6 @@ mod tests {
                 number: 1,
                 name: "first".to_owned(),
                 numbers: ["2 %".to_owned(), "1 s".to_owned()],
-                mark: "Fast".to_owned(),
                 colour: Colour::ORANGE,
             }],
             colours: vec![(Colour::RED, "family".to_owned())],
@@ -289,7 +282,7 @@ mod tests {
         };
         let mut svg = String::new();
         draw_into(&mut svg, &chart)?;
-        for word in ["Title", "cost", "gain", "fails", "the front", "first", "2 %", "1 s", "Fast", "family", "a note"] {
+        for word in ["Title", "cost", "gain", "fails", "the front", "first", "2 %", "1 s", "family", "a note"] {
             assert!(svg.contains(word), "{word} is missing in\n{svg}");
         }
         // Two points and the family's.

@@ -75,6 +75,30 @@ pub fn front(points: &[Point], backend: Backend) -> Vec<&Point> {
     front
 }
 
+/// What presets are chosen from: a point for each configuration that failed nowhere on the CPU, at no resolution that was run there. Settings go with
+/// any resolution, so on each scene its error is that of the worse one; its cost is that of the finest.
+pub fn choices(points: &[Point]) -> Vec<Point> {
+    let on_cpu = || points.iter().filter(|point| point.backend == Backend::Cpu);
+    let mut all: Vec<u32> = on_cpu().map(|point| point.across).collect();
+    all.sort_unstable();
+    all.dedup();
+    let Some(&finest) = all.last() else { return Vec::new() };
+    let choice = |fine: &Point| {
+        let of_it: Vec<&Point> = on_cpu().filter(|point| point.configuration == fine.configuration).collect();
+        let passes = of_it.len() == all.len() && of_it.iter().all(|point| point.place().is_some());
+        let worse = |(index, trial): (usize, &Trial)| {
+            let worst = of_it.iter().map(|point| &point.trials[index]).max_by(|a, b| error(a).total_cmp(&error(b)));
+            Trial { parts: worst.unwrap_or(trial).parts.clone(), cost: trial.cost }
+        };
+        passes.then(|| Point { trials: fine.trials.iter().enumerate().map(worse).collect(), ..fine.clone() })
+    };
+    on_cpu().filter(|point| point.across == finest).filter_map(choice).collect()
+}
+
+fn error(trial: &Trial) -> f64 {
+    trial.error().unwrap_or(f64::INFINITY)
+}
+
 /// Of what dominates a point, the one on the front with the smallest product of cost and error; none for those on the front.
 pub fn dominator<'a>(points: &'a [Point], point: &Point) -> Option<&'a Point> {
     let all = front(points, point.backend).into_iter().filter(|other| other.dominates(point));
@@ -92,11 +116,12 @@ impl<'a> Presets<'a> {
     /// Chosen from a [`front`]: none from an empty one.
     ///
     /// `Accurate` has the smallest error. `Fast` is the cheapest with an error of at most a tenth, `Accurate` if none has. `Balanced` has the smallest product
-    /// of both among what is between them, both included.
+    /// of both among what is between them; if there is nothing, of them.
     pub fn of(front: &[&'a Point]) -> Option<Self> {
         let accurate = front.len().checked_sub(1)?;
         let fast = front.iter().position(|point| point.error().is_some_and(|error| error <= FAST)).unwrap_or(accurate);
-        let balanced = front[fast..].iter().min_by(|a, b| product(a).total_cmp(&product(b)))?;
+        let between = front.get(fast + 1..accurate).filter(|between| !between.is_empty()).unwrap_or(&front[fast..]);
+        let balanced = between.iter().min_by(|a, b| product(a).total_cmp(&product(b)))?;
         Some(Self([front[fast], *balanced, front[accurate]]))
     }
 }
@@ -152,6 +177,27 @@ pub mod tests {
         assert_eq!(Presets::of(&front), Some(Presets([&points[1], &points[3], &points[3]])));
         assert_eq!(Presets::of(&front[..1]), Some(Presets([&points[0]; 3])), "nothing is within a tenth");
         assert_eq!(Presets::of(&[]), None);
+    }
+
+    #[test]
+    fn presets_are_chosen_from_what_fails_at_no_resolution_by_the_worse_error() {
+        let points = [
+            point(0, 12, 1.0, 0.2),
+            point(0, 24, 9.0, 0.1),
+            point(1, 12, 1.0, 0.02),
+            point(1, 24, 8.0, 0.05),
+            point(2, 12, 1.0, f64::NAN),
+            point(2, 24, 2.0, 0.01),
+            point(3, 24, 2.0, 0.01),
+        ];
+        let choices = choices(&points);
+        let places: Vec<(&str, u32, f64)> = choices
+            .iter()
+            .map(|point| (point.configuration.name, point.across, (1e3 * point.error().unwrap_or(f64::NAN)).round()))
+            .collect();
+        assert_eq!(places, [("tait", 24, 200.0), ("linear", 24, 50.0)]);
+        assert!(choices[1].cost().is_some_and(|cost| (cost - 8.0).abs() < 1e-9));
+        assert!(super::choices(&[]).is_empty());
     }
 
     #[test]

@@ -8,7 +8,7 @@ use freshet_core::scene::{Boundary, FluidScene, Volume};
 use freshet_cpu::{CpuOptions, CpuSolver};
 use glam::Vec3;
 
-use super::front::{Point, Presets, front};
+use super::front::{Point, Presets, choices, front};
 use super::report::PRESETS;
 use super::scenes::{CHOSEN_BY, HELD_OUT};
 use super::trial::Failure;
@@ -36,19 +36,21 @@ pub fn write(root: &Path, points: &[Point]) -> Result<(), LabError> {
 /// # Errors
 /// If there is nothing on the front.
 pub fn table_of_fidelity(points: &[Point]) -> Result<String, LabError> {
-    let on_front = front(points, Backend::Cpu);
+    let choices = choices(points);
+    let on_front = front(&choices, Backend::Cpu);
     let presets = presets(&on_front)?;
+    let coarsest = points.iter().map(|point| point.across).min().unwrap_or_default();
     let mut text = format!(
         "//! Written by `freshet_lab pareto --sources` from `docs/charts/pareto.csv`; not to be edited.\n\n\
          use super::Measured;\n\n\
-         /// The front, the cheapest first.\n\
+         /// The front of what fails at no resolution, the cheapest first.\n\
          pub const MEASURED: [Measured; {}] = [\n",
         on_front.len()
     );
     for point in &on_front {
         let held_out = point.held_out.as_ref().and_then(|trial| trial.error()).unwrap_or(f64::INFINITY);
         text += &format!(
-            "    Measured {{ configuration: {:?}, across: {}, error: {}, cost: {}, held_out: {} }},\n",
+            "    Measured {{ configuration: {:?}, coarsest: {coarsest}, finest: {}, error: {}, cost: {}, held_out: {} }},\n",
             point.configuration.name,
             point.across,
             literal(point.error().unwrap_or(f64::INFINITY)),
@@ -85,7 +87,8 @@ fn literal(value: f64) -> String {
 /// # Errors
 /// As [`table_of_fidelity`].
 pub fn document(points: &[Point]) -> Result<String, LabError> {
-    let on_front = front(points, Backend::Cpu);
+    let choices = choices(points);
+    let on_front = front(&choices, Backend::Cpu);
     let presets = presets(&on_front)?;
     let mut text = "\
 # Methods: what there is, what it is for, where it fails
@@ -107,11 +110,12 @@ geometric mean of wall seconds per simulated second.
     text += "
 ## Presets
 
-`FluidFidelity` (`Settings::fidelity`, `FluidDomain::with_fidelity`, `fidelity: Balanced` in scene files) chooses among what is on the front. `Fast` is the cheapest within 10 %,
-`Accurate` has the smallest error, `Balanced` the smallest product of cost and error between them. `FluidFidelity::within(error)` takes the cheapest that keeps
+`FluidFidelity` (`Settings::fidelity`, `FluidDomain::with_fidelity`, `fidelity: Balanced` in scene files) chooses settings, which go with any spacing. So it chooses among configurations
+that fail at no resolution, by the error at the worse one and the cost at the finest; of these the front is below. `Fast` is the cheapest within 10 %,
+`Accurate` has the smallest error, `Balanced` the smallest product of cost and error of what is between them. `FluidFidelity::within(error)` takes the cheapest that keeps
 an error, and is an error itself where none does. A plan's notes say what was chosen and why.
 
-| preset | configuration | particles across | error | on the fifth scene | wall s per simulated s |
+| preset | configuration | finest particles across | error | on the fifth scene | wall s per simulated s |
 |---|---|---|---|---|---|
 ";
     for point in &on_front {
@@ -132,6 +136,11 @@ an error, and is an error itself where none does. A plan's notes say what was ch
 
 Any of them can be had by `Configuration::named(\"...\")?.on(&scene)?`, or by the settings beside it; speeds there are over the largest that is expected in the scene. Errors and costs
 are of the resolutions in turn.
+";
+    text += "
+Walls of the family *walls* do not hold fluid back along their faces: in the viscous channel, which lives by that, all but the default are wholly wrong, whatever they do elsewhere.
+Of the methods of Pirovano 2011, Krog 2010 and Enneking 2018 there are not yet: pressure-corrected SPH, a Poisson equation for pressure (MPS), a kernel of its own per term,
+walls of quasi-fluid layers, ghost particles, and the springs, penalties and forces of this family for walls that move.
 ";
     for family in Family::ALL {
         let mut of_family = CONFIGURATIONS.iter().filter(|known| known.family == family).peekable();
@@ -228,10 +237,14 @@ mod tests {
 
     #[test]
     fn the_table_is_rust_that_names_the_presets() -> Result<(), LabError> {
-        let points = [point(0, 12, 1.0, 0.2), point(1, 24, 2.0, 0.05), point(2, 12, 3.0, 0.06)];
+        let points = [0, 1, 2].map(|index| {
+            let (cost, error) = [(1.0, 0.2), (2.0, 0.05), (3.0, 0.06)][index];
+            [point(index, 12, 0.1, 0.04), point(index, 24, cost, error)]
+        });
+        let points = points.concat();
         let text = table_of_fidelity(&points)?;
         assert!(text.contains("pub const MEASURED: [Measured; 2] = ["), "{text}");
-        let line = "    Measured { configuration: \"linear\", across: 24, error: 0.05, cost: 2.0, held_out: 0.025 },";
+        let line = "    Measured { configuration: \"linear\", coarsest: 12, finest: 24, error: 0.05, cost: 2.0, held_out: 0.025 },";
         assert!(text.contains(line), "{text}");
         assert!(text.ends_with("pub const ACCURATE: Measured = MEASURED[1];\n"), "{text}");
         let error = table_of_fidelity(&[]).map_err(|error| error.to_string());

@@ -12,7 +12,7 @@ use std::time::Duration;
 use clap::Args;
 use freshet_core::configuration::{CONFIGURATIONS, Configuration};
 
-pub use front::{Point, Presets, dominator, front};
+pub use front::{Point, Presets, choices, dominator, front};
 pub use methods::{document, table_of_fidelity};
 pub use report::read;
 pub use trial::{Failure, Trial};
@@ -34,8 +34,8 @@ use crate::verdict::{Bound, Verdict};
 /// time than --cap, an error above 100 %, or because plan or backend refuse it; a configuration that fails on a scene has no error and is drawn as a failure.
 /// Of the points the front is marked (nothing is both faster and better), of every other what dominates it is named.
 ///
-/// Presets are chosen from the front on the CPU: Accurate has the smallest error, Fast is the cheapest within 10 %, Balanced has the smallest product of cost
-/// and error between both. Bounds: on a fifth scene that took no part (Lobovsky's dam break, front with the best shift of the clock) each preset's error
+/// Presets are chosen among configurations that fail at no resolution on the CPU, by the error at the worse one and the cost at the finest: Accurate has the
+/// smallest error, Fast is the cheapest within 10 %, Balanced has the smallest product of cost and error of what is between both. Bounds: on a fifth scene that took no part (Lobovsky's dam break, front with the best shift of the clock) each preset's error
 /// is at most the error it is named by; the default configuration fails nowhere.
 ///
 /// Writes pareto.csv and pareto.svg after each finished configuration; with --sources also the table that FluidFidelity chooses from
@@ -159,7 +159,8 @@ fn judge(args: &ParetoArgs, output: &Output, jobs: &[Job], points: &mut Vec<Poin
 /// Runs what is on the front on the scene that took no part.
 fn hold_out(args: &ParetoArgs, output: &Output, points: &mut [Point]) -> Result<(), LabError> {
     let cap = Duration::from_secs(args.cap.into());
-    let on_front = front(points, Backend::Cpu).into_iter().filter(|point| point.held_out.is_none());
+    let choices = choices(points);
+    let on_front = front(&choices, Backend::Cpu).into_iter().filter(|point| point.held_out.is_none());
     let job =
         |point: &Point| Job { configuration: point.configuration, across: point.across, backend: point.backend, cap };
     let jobs: Vec<Job> = on_front.map(job).collect();
@@ -185,7 +186,8 @@ fn hold_out(args: &ParetoArgs, output: &Output, points: &mut [Point]) -> Result<
 /// Presets hold the error they are named by where they were not chosen, and the default works.
 fn verdict(points: &[Point]) -> Verdict {
     let mut verdict = Verdict::default();
-    let on_front = front(points, Backend::Cpu);
+    let choices = choices(points);
+    let on_front = front(&choices, Backend::Cpu);
     for (preset, name) in Presets::of(&on_front).iter().flat_map(|presets| presets.0.iter().zip(report::PRESETS)) {
         let named = 100.0 * preset.error().unwrap_or(f64::NAN);
         let check = format!("{name}, {}: error on the {}", preset.name(), HELD_OUT.title);

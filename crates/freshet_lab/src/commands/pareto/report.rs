@@ -2,7 +2,7 @@
 
 use freshet_core::configuration::{Configuration, Family};
 
-use super::front::{Point, Presets, dominator, front};
+use super::front::{Point, Presets, choices, dominator, front};
 use super::scenes::{Benchmark, CHOSEN_BY, HELD_OUT};
 use super::trial::{Failure, Trial};
 use crate::backend::Backend;
@@ -211,7 +211,6 @@ fn colour(family: Family) -> Colour {
 
 fn chart(points: &[Point]) -> Scatter {
     let on_cpu = front(points, Backend::Cpu);
-    let presets = Presets::of(&on_cpu);
     let coarsest = points.iter().map(|point| point.across).min().unwrap_or_default();
     let dot = |point: &Point| {
         let shape = match (point.backend, point.across == coarsest) {
@@ -223,19 +222,14 @@ fn chart(points: &[Point]) -> Scatter {
         let y = point.error().map(|error| 100.0 * error);
         Some(Dot { x: point.cost()?, y, shape, colour: colour(point.configuration.family), number })
     };
-    let entry = |(index, point): (usize, &&Point)| {
-        let of_point = presets.iter().flat_map(|presets| presets.0.iter().zip(PRESETS));
-        let names: Vec<&str> = of_point.filter(|(preset, _)| *preset == point).map(|(_, name)| name).collect();
-        Entry {
-            name: point.name(),
-            numbers: [
-                format!("{:.1} %", 100.0 * point.error().unwrap_or(f64::NAN)),
-                format!("{:.3} s", point.cost().unwrap_or(f64::NAN)),
-            ],
-            mark: names.join(", "),
-            colour: colour(point.configuration.family),
-            number: index + 1,
-        }
+    let entry = |(index, point): (usize, &&Point)| Entry {
+        name: point.name(),
+        numbers: [
+            format!("{:.1} %", 100.0 * point.error().unwrap_or(f64::NAN)),
+            format!("{:.3} s", point.cost().unwrap_or(f64::NAN)),
+        ],
+        colour: colour(point.configuration.family),
+        number: index + 1,
     };
     let families = Family::ALL.into_iter().filter(|family| points.iter().any(|of| of.configuration.family == *family));
     let mut shapes = vec![(Shape::Ring, format!("{coarsest} particles across"))];
@@ -279,6 +273,13 @@ fn configurations(points: &[Point]) -> usize {
 fn notes(points: &[Point]) -> Vec<String> {
     let titles: Vec<&str> = CHOSEN_BY.iter().map(|scene| scene.title).collect();
     let mut notes = vec![format!("Scenes: {}.", titles.join(", "))];
+    let choices = choices(points);
+    if let Some(presets) = Presets::of(&front(&choices, Backend::Cpu)) {
+        let named = presets.0.iter().zip(PRESETS).map(|(preset, name)| {
+            format!("{name}: {}, {:.1} %", preset.configuration.name, 100.0 * preset.error().unwrap_or(f64::NAN))
+        });
+        notes.push(format!("Presets, by the worse resolution: {}.", named.collect::<Vec<_>>().join("; ")));
+    }
     let failures = points.iter().filter_map(|point| point.failure(&CHOSEN_BY));
     let mut counts: Vec<((&str, &str), usize)> = Vec::new();
     for (scene, failure) in failures.filter(|(_, failure)| *failure != Failure::Refused) {
@@ -292,7 +293,11 @@ fn notes(points: &[Point]) -> Vec<String> {
         counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
         let counts: Vec<String> =
             counts.iter().map(|((scene, failure), count)| format!("{scene}, {failure}: {count}")).collect();
-        notes.push(format!("Failures: {}.", counts.join("; ")));
+        // As many as a line of the chart holds.
+        for (index, counts) in counts.chunks(5).enumerate() {
+            let head = if index == 0 { "Failures: " } else { "" };
+            notes.push(format!("{head}{}.", counts.join("; ")));
+        }
     }
     let refused = points.iter().filter(|point| point.cost().is_none());
     let mut refused: Vec<&str> = refused.map(|point| point.configuration.name).collect();
@@ -350,8 +355,11 @@ mod tests {
         assert_eq!(chart.dots.iter().filter(|dot| dot.y.is_none()).count(), 1);
         let entries: Vec<&str> = chart.entries.iter().map(|entry| entry.name.as_str()).collect();
         assert_eq!(entries, ["tait at 12", "tait at 24"]);
-        assert_eq!(chart.entries[1].mark, "Fast, Balanced, Accurate");
-        assert!(chart.notes[1].contains("dam break, energy: 1"), "{:?}", chart.notes);
+        assert_eq!(
+            chart.notes[1],
+            "Presets, by the worse resolution: Fast: tait, 20.0 %; Balanced: tait, 20.0 %; Accurate: tait, 20.0 %."
+        );
+        assert!(chart.notes[2].contains("dam break, energy: 1"), "{:?}", chart.notes);
         assert_eq!(table(&points()).to_string().lines().count(), 6);
     }
 }

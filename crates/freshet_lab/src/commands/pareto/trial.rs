@@ -126,6 +126,8 @@ pub struct Watched {
     tank: Option<(Vec3, Vec3)>,
     /// What there may be, of a particle over its mass, m2/s2.
     energy: Option<f64>,
+    /// Largest mean compression of any substep, a share.
+    compression: f32,
 }
 
 impl Watched {
@@ -133,7 +135,7 @@ impl Watched {
         let plan = Plan::new(&job.configuration.on(scene).map_err(LabError::from)?).map_err(LabError::from)?;
         let particles = plan.positions.len();
         let drive = Drive::open(job.backend, plan, Some(1), Vec::new())?;
-        Ok(Self { drive, particles, begin: Instant::now(), cap: job.cap, tank: None, energy: None })
+        Ok(Self { drive, particles, begin: Instant::now(), cap: job.cap, tank: None, energy: None, compression: 0.0 })
     }
 
     /// Particles beyond a face of this box, but for its top, are lost.
@@ -149,6 +151,7 @@ impl Watched {
     /// Simulates `duration` seconds and looks at what has become of it.
     pub fn tick(&mut self, duration: f64) -> Result<(), Stopped> {
         let report = self.drive.tick(duration)?;
+        self.compression = self.compression.max(report.mean_compression);
         if let Some(failure) = failure(&report, self.particles) {
             return Err(Stopped::Failed(failure));
         }
@@ -177,6 +180,11 @@ impl Watched {
         let (positions, velocities) = (self.drive.positions()?, self.drive.vectors(Field::Velocity)?);
         let of = |(x, v): (&Vec3, &Vec3)| 0.5 * v.as_dvec3().length_squared() - gravity.dot(x.as_dvec3());
         Ok(positions.iter().zip(&velocities).map(of).sum())
+    }
+
+    /// The largest mean compression of any substep so far, a share.
+    pub fn compression(&self) -> f64 {
+        self.compression.into()
     }
 
     /// Numbers of the plan.

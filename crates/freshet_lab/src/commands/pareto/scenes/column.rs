@@ -16,8 +16,8 @@ pub const AT_REST: Benchmark = Benchmark {
     name: "column",
     title: "column at rest",
     about: "water at rest, 0.5 m deep, for 3 s: pressure against depth over rho g D (root mean square over bins of a support radius) and mean speed over \
-            sqrt(g D), both in the last second, root of the sum of their squares; exact",
-    parts: &["pressure", "speed"],
+            sqrt(g D), both in the last second, and the largest mean compression, root of the sum of their squares; exact",
+    parts: &["pressure", "speed", "compression"],
     simulate: |job| {
         let scene = walled(BASE as f32, DEPTH, (DEPTH / f64::from(job.across)) as f32);
         watch(job, &scene, follow)
@@ -48,5 +48,5 @@ fn follow(run: &mut Watched) -> Measured {
     let reference = |height: f64| hydrostatics::pressure(1000.0, GRAVITY, DEPTH - height);
     let pressure = profile.deviation(reference).unwrap_or(f64::NAN) / reference(0.0);
     let speed = mean(speeds).unwrap_or(f64::NAN) / (GRAVITY * DEPTH).sqrt();
-    Ok(vec![pressure, speed])
+    Ok(vec![pressure, speed, run.compression()])
 }
