@@ -308,7 +308,8 @@ pub struct Settings {
     /// neighbours. It takes the more time the wider it may be. Weakly compressible fluids only. See
     /// [`variable_support`](crate::variable_support).
     pub widest_support: f32,
-    /// Lets particles settle before the start; none starts as volumes are sampled. Not with bodies, whose places are not known then.
+    /// Lets particles settle before the start; none starts as volumes are sampled. Not with bodies, whose places are not known then, nor with the
+    /// position-based solver or walls that are not in the sums.
     pub relaxation: Option<Relaxation>,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
     pub viscosity_model: Option<ViscosityModel>,
@@ -390,12 +391,17 @@ impl Settings {
             PressureSolver::PositionBased(solver) => solver.validate(),
         }
         .map_err(|error| error.inside("pressure_solver"))?;
-        if self.redo_substeps && matches!(self.pressure_solver, PressureSolver::PositionBased(_)) {
-            return Err(InvalidInput::new(
-                "redo_substeps",
-                true,
-                "false, with the position-based settings.pressure_solver",
-            ));
+        if matches!(self.pressure_solver, PressureSolver::PositionBased(_)) {
+            let with = "with the position-based settings.pressure_solver";
+            if self.redo_substeps {
+                return Err(InvalidInput::new("redo_substeps", true, format_args!("false, {with}")));
+            }
+            if self.xsph > 0.0 {
+                return Err(InvalidInput::new("xsph", self.xsph, format_args!("0, {with}")));
+            }
+            if self.relaxation.is_some() {
+                return Err(InvalidInput::new("relaxation", "Some", format_args!("none, {with}")));
+            }
         }
         let allowed = "with the weakly compressible settings.pressure_solver only";
         if let Some(equation) = &self.equation_of_state {

@@ -41,7 +41,8 @@ pub struct Snapshot {
     /// `rho/rho0 - 1` that particles [carry](crate::density_form), no unit; empty where densities are summed: a plan that carries
     /// them goes on from such a state with the density at rest.
     pub excesses: Vec<f32>,
-    /// Length of the last substep, s, for these and for pressures; zero for none.
+    /// Length of the last substep, s, for pressures, for densities that are carried and for a
+    /// [position-based](crate::position_based) fluid, which is still to be moved apart; zero for none.
     pub last_substep: f32,
     /// Which integrator made it: with another one [`histories`](Self::histories) mean nothing.
     pub integrator: Integrator,
@@ -131,11 +132,16 @@ impl Snapshot {
         if self.integrator == integrator { &self.histories } else { &[] }
     }
 
-    /// Length of the last substep, s, for a plan: zero if what it is for is not here.
+    /// Length of the last substep, s, for a plan: zero if another method left what is here, as far as the snapshot tells. One of a
+    /// position-based fluid has neither pressures nor densities; one that has neither from another plan has a last substep of zero. For solvers.
     pub fn substep_for(&self, parameters: &Parameters) -> f32 {
+        let count = self.ids.len();
         let is_known = match parameters.pressure_solver {
-            PressureSolver::DivergenceFree(_) | PressureSolver::PositionBased(_) => true,
-            PressureSolver::WeaklyCompressible => parameters.density.is_carried() && !self.excesses.is_empty(),
+            PressureSolver::DivergenceFree(_) => self.pressures.len() == count,
+            PressureSolver::PositionBased(_) => self.pressures.is_empty() && self.excesses.is_empty(),
+            PressureSolver::WeaklyCompressible => {
+                parameters.density.is_carried() && self.excesses.len() == count && self.pressures.is_empty()
+            }
         };
         if is_known { self.last_substep } else { 0.0 }
     }

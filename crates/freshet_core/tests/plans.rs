@@ -187,7 +187,16 @@ fn walls_that_push_by_themselves_are_a_stage_and_in_no_other_and_refuse_what_doe
             scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
         };
         refused(&belt, ["boundaries[0].velocity", "zero, with a settings.wall_method of"]);
+        let settling = |scene: &mut FluidScene| scene.settings.relaxation = Some(Relaxation::default());
+        refused(&settling, ["settings.relaxation: Some", "none, with a settings.wall_method of"]);
+        let mut redone = scene.clone();
+        redone.settings.redo_substeps = true;
+        assert_eq!(Plan::new(&redone).is_ok(), !is_penalty);
         if is_penalty {
+            refused(
+                &|scene| scene.settings.redo_substeps = true,
+                ["settings.redo_substeps: true", "false, with a settings.wall_method of"],
+            );
             let other = |scene: &mut FluidScene| scene.settings.integrator = Integrator::Beeman;
             refused(&other, ["settings.integrator", "semi-implicit Euler, with a settings.wall_method of"]);
         }
@@ -888,7 +897,12 @@ fn the_position_based_solver_is_refused_with_what_it_does_not_do() {
     fn solver(scene: &mut FluidScene, iterations: u32, softness: f32) {
         scene.settings.pressure_solver = PressureSolver::PositionBased(PositionBased { iterations, softness });
     }
-    let refused: [(fn(&mut FluidScene), [&str; 2]); 9] = [
+    let refused: [(fn(&mut FluidScene), [&str; 2]); 11] = [
+        (|scene| scene.settings.xsph = 0.5, ["settings.xsph: 0.5", "0, with the position-based"]),
+        (
+            |scene| scene.settings.relaxation = Some(Relaxation::default()),
+            ["settings.relaxation: Some", "none, with the position-based"],
+        ),
         (|scene| solver(scene, 0, 0.0), ["settings.pressure_solver.iterations: 0", "1 to 1000"]),
         (|scene| solver(scene, 4, -1.0), ["settings.pressure_solver.softness: -1", "0 to 10"]),
         (|scene| scene.settings.integrator = Integrator::Leapfrog, ["settings.integrator", "weakly compressible"]),
@@ -906,4 +920,16 @@ fn the_position_based_solver_is_refused_with_what_it_does_not_do() {
         let message = with(change).unwrap_err();
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
     }
+}
+
+#[test]
+fn the_plan_says_that_a_tensile_correction_without_tension_does_little() {
+    let notes = |correction: f32, clamp: bool| {
+        let mut scene = dam_break();
+        scene.settings.tensile_correction = correction;
+        scene.settings.clamp_negative_pressure = clamp;
+        let plan = Plan::new(&scene).unwrap();
+        plan.notes.iter().filter(|note| note.contains("settings.clamp_negative_pressure leaves no tension")).count()
+    };
+    assert_eq!([notes(0.2, true), notes(0.2, false), notes(0.0, true)], [1, 0, 0]);
 }

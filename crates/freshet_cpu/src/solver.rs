@@ -325,12 +325,10 @@ impl CpuSolver {
             self.pressure_term = Vec::new();
             self.density.clear();
             self.particles.keep_pressures(solves);
-            self.last_substep = 0.0;
         }
         let carries = self.plan.parameters.density.is_carried();
         if carries == self.particles.excess.is_empty() {
             self.particles.carry_densities(carries);
-            self.last_substep = 0.0;
             // From a state that another plan left: pressures go on, and what lacked neighbours lacks them no more.
             let rest_density = self.plan.parameters.rest_density;
             for (excess, density) in self.particles.excess.iter_mut().zip(&self.density) {
@@ -751,6 +749,9 @@ impl FluidSolver for CpuSolver {
         let before = plan.bodies_of(&self.plan);
         self.exchanges = carried_over(&self.exchanges, &before);
         self.poses = plan.poses_from(&self.plan, &self.poses);
+        if !plan.parameters.goes_on_from(&self.plan.parameters) {
+            self.last_substep = 0.0;
+        }
         self.schedule.passes = passes;
         self.plan = plan;
         self.take_plan();

@@ -171,3 +171,88 @@ fn a_run_goes_on_from_a_snapshot_as_if_it_had_not_ended() {
     }
     assert!(whole.snapshot().unwrap() == second.snapshot().unwrap());
 }
+
+/// Plans of the same column for every method that keeps something else of a substep.
+fn methods() -> [(&'static str, Plan); 4] {
+    let of = |change: fn(&mut Settings)| {
+        let mut scene = column(3);
+        change(&mut scene.settings);
+        Plan::new(&scene).unwrap()
+    };
+    [
+        ("summed", of(|settings| settings.pressure_solver = PressureSolver::WeaklyCompressible)),
+        (
+            "carried",
+            of(|settings| {
+                settings.pressure_solver = PressureSolver::WeaklyCompressible;
+                settings.density = DensityForm::Continuity;
+            }),
+        ),
+        (
+            "incompressible",
+            of(|settings| settings.pressure_solver = PressureSolver::DivergenceFree(DivergenceFree::default())),
+        ),
+        ("position-based", of(|_| ())),
+    ]
+}
+
+/// What one method did in its last substep is nothing that another goes on from: a tick of no length changes no velocity and no place.
+#[test]
+fn no_method_goes_on_from_the_substep_of_another() {
+    for (before, plan) in &methods() {
+        let mut solver = solver_of(plan, InstructionSet::default());
+        for tick in 0..3 {
+            solver.step(&StepInput { tick, duration: 0.01, ..StepInput::default() }).unwrap();
+        }
+        let left = solver.snapshot().unwrap();
+        assert_eq!(left.last_substep > 0.0, *before != "summed", "{before}");
+        for (after, next) in &methods() {
+            let mut changed = solver_of(plan, InstructionSet::default());
+            changed.restore(&left).unwrap();
+            assert_eq!(changed.snapshot().unwrap().last_substep, left.last_substep);
+            changed.reconfigure(next.clone()).unwrap();
+            let mut restored = solver_of(next, InstructionSet::default());
+            restored.restore(&left).unwrap();
+            for (how, solver) in [("reconfigured", &mut changed), ("restored", &mut restored)] {
+                let state = solver.snapshot().unwrap();
+                let kept = if before == after { left.last_substep } else { 0.0 };
+                assert_eq!(state.last_substep, kept, "{before} to {after}, {how}");
+                solver.step(&StepInput { tick: 3, ..StepInput::default() }).unwrap();
+                let end = solver.snapshot().unwrap();
+                if before != after {
+                    assert!(
+                        end.velocities == left.velocities && end.positions == left.positions,
+                        "{before} to {after}, {how}"
+                    );
+                }
+            }
+            // Nor does it come back after another.
+            changed.reconfigure(plan.clone()).unwrap();
+            assert!(before == after || changed.snapshot().unwrap().last_substep == 0.0, "{before} to {after} and back");
+        }
+    }
+}
+
+/// Between substeps particles are where they would be without pressure, and their velocities those of the way there: at rest, a substep's fall.
+#[test]
+fn a_fluid_at_rest_has_the_velocity_of_a_substeps_fall() {
+    let mut scene = column(20);
+    scene.settings.artificial_viscosity = 0.1;
+    let mut solver = solver_of(&Plan::new(&scene).unwrap(), InstructionSet::default());
+    let duration = 1.0 / 120.0;
+    let mut before = Vec::new();
+    let mut way = 0.0;
+    for tick in 0..240 {
+        let report = solver.step(&StepInput { tick, duration, ..StepInput::default() }).unwrap();
+        assert_eq!(report.substeps, 1);
+        let places = solver.snapshot().unwrap().positions;
+        way = places.iter().zip(&before).map(|(x, was): (&Vec3, &Vec3)| x.distance(*was)).sum::<f32>()
+            / places.len() as f32;
+        before = places;
+    }
+    let velocities = solver.snapshot().unwrap().velocities;
+    let mean = velocities.iter().sum::<Vec3>() / velocities.len() as f32;
+    let fall = 9.81 * duration;
+    assert!((mean.y / -fall - 1.0).abs() < 0.1, "{mean} m/s, not {fall} down");
+    assert!(way < 0.1 * fall * duration, "they go {way} m");
+}

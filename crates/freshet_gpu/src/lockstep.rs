@@ -95,6 +95,9 @@ impl FluidSolver for GpuSolver {
             let rest_density = plan.parameters.rest_density;
             snapshot.excesses = densities.iter().map(|density| (density / rest_density - 1.0).max(0.0)).collect();
         }
+        if !plan.parameters.goes_on_from(&self.plan.parameters) {
+            snapshot.last_substep = 0.0;
+        }
         let before = plan.bodies_of(&self.plan);
         snapshot.exchanges = carried_over(&snapshot.exchanges, &before);
         snapshot.poses = plan.poses_from(&self.plan, &snapshot.poses);

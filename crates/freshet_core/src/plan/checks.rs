@@ -83,6 +83,15 @@ pub(super) fn check_wall_method(scene: &FluidScene) -> Result<(), InvalidInput> 
     if method.is_in_sums() {
         return Ok(());
     }
+    let with = format!("with a settings.wall_method of {}", method.name());
+    if scene.settings.relaxation.is_some() {
+        let allowed = format!("none, {with}: particles settle by the sums of densities");
+        return Err(InvalidInput::new("settings.relaxation", "Some", allowed));
+    }
+    if matches!(method, WallMethod::Penalty(_)) && scene.settings.redo_substeps {
+        let allowed = format!("false, {with}: it changes what a shorter substep is judged by");
+        return Err(InvalidInput::new("settings.redo_substeps", true, allowed));
+    }
     let integrator = scene.settings.integrator;
     if matches!(method, WallMethod::Penalty(_)) && integrator != Integrator::default() {
         let allowed = format!(

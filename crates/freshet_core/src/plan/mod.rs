@@ -43,6 +43,7 @@ use crate::pressure_solver::{
 use crate::relaxation::Relaxation;
 use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{FluidScene, MAX_SPACING, MIN_SPACING};
+use crate::tensile_correction::POSITIVE;
 
 /// What is executed, in order, with the reason of each stage.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,6 +167,13 @@ impl Plan {
             }
             notes.push(format!(
                 "compressible by request: sound speed {sound_speed} m/s is below ten times the expected speed, {least} m/s"
+            ));
+        }
+        if settings.tensile_correction > 0.0 && settings.clamp_negative_pressure {
+            notes.push(format!(
+                "settings.tensile_correction is {}, but settings.clamp_negative_pressure leaves no tension to correct: what acts is \
+                 {POSITIVE} (P_a + P_b) alone",
+                settings.tensile_correction
             ));
         }
         notes.push(format!("expected speed {expected_speed:.3} m/s: {speed_reason}"));

@@ -1,5 +1,7 @@
 //! The numbers of a plan.
 
+use std::mem::discriminant;
+
 use glam::{Mat3, Vec3};
 
 use crate::density_form::DensityForm;
@@ -95,6 +97,13 @@ pub struct Parameters {
 }
 
 impl Parameters {
+    /// Whether a plan's fluid is found by the same method as another's, so that it can go on from the length of the other's last substep: what
+    /// another method did in it means nothing. For solvers.
+    pub fn goes_on_from(&self, earlier: &Self) -> bool {
+        discriminant(&self.pressure_solver) == discriminant(&earlier.pressure_solver)
+            && self.density.is_carried() == earlier.density.is_carried()
+    }
+
     /// The substep allowed by the Courant, force and viscous conditions for the given maxima (METHODS, Conventions):
     /// `0.4 h/(c+v)`, `0.25 sqrt(h/a)`, `0.125 h^2/nu` with `nu = alpha c h / 10` (Monaghan 2005, eq. 8.8)
     /// plus `mu / rho`.

@@ -56,6 +56,10 @@ impl WallMethod {
     /// Averaged along a wall, they push what is half a spacing before the face as hard as the foot of a column pushes whose
     /// [expected speed](crate::plan::Parameters::expected_speed) is `v = 2 sqrt(g D)`: `g D/d = v^2/(4 d)`. Springs and collisions are at the face, and their samples half
     /// a spacing behind it.
+    ///
+    /// It is that of a speed of sound of ten times the expected speed, as plans have by default: expected speeds follow from where samples lie. With
+    /// another, [`MonaghanRepulsion`](WallMethod::MonaghanRepulsion), whose force follows the speed of sound, holds fluid at rest farther off the harder it
+    /// pushes.
     pub fn depth(self, kernel: &Kernel, spacing: f32) -> Option<f32> {
         let (d, reach) = (f64::from(spacing), kernel.support_radius());
         match self {
