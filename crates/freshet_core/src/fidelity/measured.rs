@@ -3,6 +3,7 @@
 use super::Measured;
 
 /// The front of what fails at no resolution, the cheapest first.
+#[rustfmt::skip]
 pub const MEASURED: [Measured; 3] = [
     Measured { configuration: "dfsph-fast", coarsest: 12, finest: 24, error: 0.04021, cost: 0.4251, held_out: 0.01901 },
     Measured { configuration: "sound-5-courant-0.8", coarsest: 12, finest: 24, error: 0.03305, cost: 0.5607, held_out: 0.006354 },

@@ -44,6 +44,7 @@ pub fn table_of_fidelity(points: &[Point]) -> Result<String, LabError> {
         "//! Written by `freshet_lab pareto --sources` from `docs/charts/pareto.csv`; not to be edited.\n\n\
          use super::Measured;\n\n\
          /// The front of what fails at no resolution, the cheapest first.\n\
+         #[rustfmt::skip]\n\
          pub const MEASURED: [Measured; {}] = [\n",
         on_front.len()
     );
