@@ -22,6 +22,7 @@ pub struct Penalty {
     pub reflection: Reflection,
     /// Direction control: if given, only particles that move along this vector are stopped, and the others pass. For water in a closed box whose ceiling
     /// is not there for what rises: the direction of gravity. Any length but zero.
+    /// It is so at every face: what rises passes through upright walls, too, so that they have to be out of its reach.
     pub one_way: Option<Vec3>,
 }
 
