@@ -139,12 +139,16 @@ pub mod tests {
     use freshet_core::configuration::CONFIGURATIONS;
 
     use super::*;
-    use crate::commands::pareto::scenes::CHOSEN_BY;
+    use crate::commands::pareto::scenes::{CHOSEN_BY, HELD_OUT};
 
     /// A point of so many wall seconds and an error on every scene, a share; of a failure where it is not finite.
     pub fn point(configuration: usize, across: u32, cost: f64, error: f64) -> Point {
-        let parts =
-            |scene: &Benchmark| vec![error / (scene.parts.len().max(1) as f64).sqrt(); scene.parts.len().max(1)];
+        // All in the first part, so that rounding the parts does not change their sum.
+        let parts = |scene: &Benchmark| {
+            let mut parts = vec![0.0; scene.parts.len().max(1)];
+            parts[0] = error;
+            parts
+        };
         let trial = |scene: &&Benchmark| Trial {
             parts: if error.is_finite() { Ok(parts(scene)) } else { Err(Failure::Energy) },
             cost: Some(cost),
@@ -154,7 +158,10 @@ pub mod tests {
             backend: Backend::Cpu,
             across,
             trials: CHOSEN_BY.iter().map(trial).collect(),
-            held_out: Some(Trial { parts: Ok(vec![0.5 * error]), cost: Some(cost) }),
+            held_out: Some(Trial {
+                parts: Ok(parts(HELD_OUT).into_iter().map(|part| 0.5 * part).collect()),
+                cost: Some(cost),
+            }),
         }
     }
 
