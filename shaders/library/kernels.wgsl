@@ -75,6 +75,29 @@ fn slope_over_q(q: f32) -> f32 {
 }
 #endif
 
+#ifdef KERNEL_WENDLAND_NOTCH
+fn shape(q: f32) -> f32 {
+    let p = max(1.0 - q, 0.0);
+    let square = p * p;
+    var sum = 32.0 * q - 103.0;
+    sum = sum * q + 144.81697612732097;
+    sum = sum * q - 99.33421750663129;
+    sum = sum * q + 28.714927987954603;
+    sum = sum * q - 2.6902954358364584;
+    sum = sum * q + 2.0905233977583744;
+    return square * square * (sum * q + 0.5226308494395936);
+}
+fn slope_over_q(q: f32) -> f32 {
+    let p = max(1.0 - q, 0.0);
+    var sum = -352.0 * q + 1254.0;
+    sum = sum * q - 1921.352785145889;
+    sum = sum * q + 1518.7586206896553;
+    sum = sum * q - 598.3413659422073;
+    sum = sum * q + 102.28655657888257;
+    return p * p * p * (sum * q - 15.83320786046479);
+}
+#endif
+
 #ifdef KERNEL_POLY6
 fn shape(q: f32) -> f32 {
     let p = max(1.0 - q * q, 0.0);

@@ -151,6 +151,7 @@ fn of_kernel(kernel: KernelKind) -> (u32, u32) {
         KernelKind::Quadratic => (2, 4),
         KernelKind::Quartic => (8, 4),
         KernelKind::WendlandC2 => (6, 4),
+        KernelKind::WendlandNotch => (18, 16),
         KernelKind::Poly6 => (6, 6),
         KernelKind::Spiky => (3, 5),
         // No plan has it for density and pressure.

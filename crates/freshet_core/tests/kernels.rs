@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use freshet_core::kernel::{
     Kernel, KernelKind, MAX_SUPPORT_RADIUS, neighbours_in_support, support_radius_for_neighbours,
 };
-use glam::{Vec3, vec3};
+use glam::{DVec3, Vec3, vec3};
 
 /// Support radii that are no round numbers, far from one, so that a wrong power of H shows.
 const RADII: [f32; 3] = [0.037, 1.3, 21.0];
@@ -97,7 +97,7 @@ fn laplacians_match_differences_of_the_gradient() {
 #[test]
 fn the_laplacian_at_the_centre_is_three_times_the_slope_over_r() {
     use KernelKind::*;
-    for kernel in every(&[Gaussian, CubicSpline, QuinticSpline, Quartic, WendlandC2, Poly6]) {
+    for kernel in every(&[Gaussian, CubicSpline, QuinticSpline, Quartic, WendlandC2, WendlandNotch, Poly6]) {
         let (laplacian, slope) = (kernel.laplacian(0.0), kernel.derivative_over_r(0.0));
         // True of every smooth function of r alone; only rounding remains.
         assert!((laplacian - 3.0 * slope).abs() < 1e-12 * laplacian.abs(), "{}", kernel.kind().name());
@@ -345,7 +345,105 @@ fn bad_inputs_are_refused_with_the_field() {
 #[test]
 fn lists_and_names_are_complete() {
     let names: std::collections::BTreeSet<_> = KernelKind::ALL.iter().map(|kind| kind.name()).collect();
-    assert_eq!(names.len(), 9);
+    assert_eq!(names.len(), 10);
     assert!(KernelKind::ALL.iter().filter(|&&kind| kind != KernelKind::Viscosity).eq(&KernelKind::WITH_GRADIENT));
     assert_eq!(KernelKind::default(), KernelKind::WendlandC2);
+}
+
+/// Against sums over every node of the lattice that is really strained, by two per cent either way.
+#[test]
+fn shear_moduli_are_those_of_strained_lattices() {
+    let d = 0.1_f32;
+    let smooth = [
+        KernelKind::WendlandC2,
+        KernelKind::WendlandNotch,
+        KernelKind::Gaussian,
+        KernelKind::QuinticSpline,
+        KernelKind::Spiky,
+    ];
+    for (kind, ratio) in smooth.into_iter().flat_map(|kind| [2.05, 2.3].map(|ratio| (kind, ratio))) {
+        let kernel = Kernel::new(kind, ratio * d).unwrap();
+        let sum = |strained: &dyn Fn(DVec3) -> DVec3| -> f64 {
+            let nodes = (-3..=3).flat_map(|k| (-3..=3).flat_map(move |j| (-3..=3).map(move |i| [i, j, k])));
+            nodes.map(|node| kernel.value(strained(f64::from(d) * DVec3::from(node.map(f64::from))).length())).sum()
+        };
+        let start = sum(&|x| x);
+        let grown = |gamma: f64| sum(&|x| x * (1.0 + gamma));
+        let gradient = (grown(-1e-4) - grown(1e-4)) / (6e-4 * start);
+        let gamma = 0.02_f64;
+        let shear = |gamma: f64| {
+            let size = (1.0 - 0.25 * gamma * gamma).powf(-1.0 / 3.0);
+            sum(&|x| size * DVec3::new(x.x + 0.5 * gamma * x.y, x.y + 0.5 * gamma * x.x, x.z))
+        };
+        let stretch = |gamma: f64| sum(&|x| x * DVec3::new(1.0 + 0.5 * gamma, 1.0 / (1.0 + 0.5 * gamma), 1.0));
+        let wanted = [&shear as &dyn Fn(f64) -> f64, &stretch]
+            .map(|strained| (strained(gamma) + strained(-gamma) - 2.0 * start) / (gamma * gamma * start * gradient));
+        let found = kernel.lattice_shear(d);
+        for (found, wanted) in found.into_iter().zip(wanted) {
+            assert!(
+                (found - wanted).abs() < 2e-3 + 0.02 * wanted.abs(),
+                "{} at {ratio} d: {found}, {wanted}",
+                kind.name()
+            );
+        }
+    }
+    assert!(Kernel::new(KernelKind::WendlandC2, 1.0).unwrap().lattice_shear(-1.0)[0].is_nan());
+}
+
+/// A fluid has none; the default lattice has, and a support of 2.15 d hardly.
+#[test]
+fn the_table_of_shear_moduli() {
+    let moduli = |kind, ratio: f32| Kernel::new(kind, ratio).unwrap().lattice_shear(1.0);
+    let table = [
+        (KernelKind::WendlandC2, 2.0, [0.0384, 0.1844]),
+        (KernelKind::WendlandC2, 2.15, [0.0255, -0.0051]),
+        (KernelKind::CubicSpline, 2.0, [0.0223, 0.0332]),
+        (KernelKind::QuinticSpline, 2.7, [-0.0007, 0.0163]),
+    ];
+    for (kind, ratio, wanted) in table {
+        for (found, wanted) in moduli(kind, ratio).into_iter().zip(wanted) {
+            assert!((found - wanted).abs() < 1e-3, "{} at {ratio} d: {found}, {wanted}", kind.name());
+        }
+    }
+}
+
+/// What it is made for: particles under pressure have no arrangement that they would rather have.
+#[test]
+fn the_notched_kernel_sees_no_lattice() {
+    let spread = |kind: KernelKind, ratio: f32| {
+        let kernel = Kernel::new(kind, ratio).unwrap();
+        // Each with one particle in a unit of volume.
+        let lattices = [
+            (1.0_f64, vec![[0.0; 3]]),
+            (2.0_f64.cbrt(), vec![[0.0; 3], [0.5; 3]]),
+            (4.0_f64.cbrt(), vec![[0.0; 3], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]]),
+        ];
+        let sums = lattices.map(|(edge, base)| {
+            let cells = (-3..=3)
+                .flat_map(|k| (-3..=3).flat_map(move |j| (-3..=3).map(move |i| DVec3::from([i, j, k].map(f64::from)))));
+            let places = cells.flat_map(|cell| base.iter().map(move |&place| edge * (cell + DVec3::from(place))));
+            places.map(|place| kernel.value(place.length())).sum::<f64>()
+        });
+        sums.iter().fold(0.0_f64, |most, sum| most.max((sum / sums[0] - 1.0).abs()))
+    };
+    assert!(spread(KernelKind::WendlandNotch, 2.3) < 2e-4, "{}", spread(KernelKind::WendlandNotch, 2.3));
+    assert!(spread(KernelKind::WendlandC2, 2.3) > 3e-3 && spread(KernelKind::WendlandC2, 2.0) > 5e-3);
+    let moduli = Kernel::new(KernelKind::WendlandNotch, 2.3).unwrap().lattice_shear(1.0);
+    assert!(moduli.iter().all(|modulus| modulus.abs() < 0.02), "{moduli:?}");
+}
+
+/// Positive, with a double zero: the Fourier transform `4 pi integral of W r sin(k r)/k`, by Simpson's rule.
+#[test]
+fn the_transform_of_the_notched_kernel_touches_zero() {
+    let kernel = Kernel::new(KernelKind::WendlandNotch, 1.0).unwrap();
+    let transform =
+        |k: f64| ball_integral(1.0, |r| kernel.value(r) * if k * r == 0.0 { 1.0 } else { (k * r).sin() / (k * r) });
+    let notch = 188.5_f64.sqrt();
+    let (at_notch, at_zero) = (transform(notch), transform(0.0));
+    assert!(at_notch.abs() < 1e-9 && (at_zero - 1.0).abs() < 1e-9, "{at_notch}, {at_zero}");
+    for step in 1..600 {
+        let k = 0.1 * f64::from(step);
+        assert!(transform(k) > -1e-9, "{} at {k}", transform(k));
+    }
+    assert!(transform(0.9 * notch) > 1e-5 && transform(1.1 * notch) > 1e-6);
 }

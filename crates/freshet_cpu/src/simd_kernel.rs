@@ -2,7 +2,7 @@
 //!
 //! Arguments are `q = r/H` already limited to 1, where every shape is exactly zero.
 
-use freshet_core::kernel::KernelKind;
+use freshet_core::kernel::{KernelKind, NOTCH_SHAPE, NOTCH_SLOPE};
 use pulp::Simd;
 
 use crate::lanes::divide;
@@ -64,6 +64,32 @@ impl SimdKernel for WendlandC2 {
     fn slope_over_q<S: Simd>(simd: S, q: S::f32s) -> S::f32s {
         let p = one_minus(simd, q);
         scale(simd, -20.0, simd.mul_f32s(square(simd, p), p))
+    }
+}
+
+/// See [`KernelKind::WendlandNotch`].
+#[derive(Clone, Copy)]
+pub struct WendlandNotch;
+
+impl WendlandNotch {
+    #[inline(always)]
+    fn polynomial<S: Simd>(simd: S, coefficients: &[f64], q: S::f32s) -> S::f32s {
+        let from_highest = coefficients.iter().rev().map(|&coefficient| simd.splat_f32s(coefficient as f32));
+        from_highest.fold(simd.splat_f32s(0.0), |sum, coefficient| simd.mul_add_f32s(sum, q, coefficient))
+    }
+}
+
+impl SimdKernel for WendlandNotch {
+    #[inline(always)]
+    fn shape<S: Simd>(simd: S, q: S::f32s) -> S::f32s {
+        let p2 = square(simd, one_minus(simd, q));
+        simd.mul_f32s(square(simd, p2), Self::polynomial(simd, &NOTCH_SHAPE, q))
+    }
+
+    #[inline(always)]
+    fn slope_over_q<S: Simd>(simd: S, q: S::f32s) -> S::f32s {
+        let p = one_minus(simd, q);
+        simd.mul_f32s(simd.mul_f32s(square(simd, p), p), Self::polynomial(simd, &NOTCH_SLOPE, q))
     }
 }
 
@@ -249,6 +275,7 @@ pub fn dispatch<T: WithKernel>(kind: KernelKind, task: T) -> T::Output {
         KernelKind::QuinticSpline => task.with(QuinticSpline),
         KernelKind::Quadratic => task.with(Quadratic),
         KernelKind::Quartic => task.with(Quartic),
+        KernelKind::WendlandNotch => task.with(WendlandNotch),
         KernelKind::Poly6 => task.with(Poly6),
         KernelKind::Spiky => task.with(Spiky),
         // The planner refuses the viscosity kernel here: it has no usable value.

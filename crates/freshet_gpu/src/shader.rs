@@ -169,6 +169,7 @@ fn kernel_definition(kernel: KernelKind) -> Result<&'static str, SolverError> {
         KernelKind::Quadratic => "KERNEL_QUADRATIC",
         KernelKind::Quartic => "KERNEL_QUARTIC",
         KernelKind::WendlandC2 => "KERNEL_WENDLAND_C2",
+        KernelKind::WendlandNotch => "KERNEL_WENDLAND_NOTCH",
         KernelKind::Poly6 => "KERNEL_POLY6",
         KernelKind::Spiky => "KERNEL_SPIKY",
         KernelKind::Viscosity => {

@@ -103,7 +103,7 @@ fn the_quick_form_charts_cost_against_error_and_failures_as_failures() -> Result
         }
     }
     let failures = |name: &str| named(name).trials.iter().filter_map(|trial| trial.failure()).collect::<Vec<_>>();
-    assert_eq!(failures("forward-euler"), [Failure::Refused; 4]);
+    assert_eq!(failures("forward-euler"), [Failure::Refused; 5]);
     assert!(failures("ideal-gas").contains(&Failure::Lost), "{:?}", failures("ideal-gas"));
     let svg = text(&folder.join("pareto.svg"))?;
     assert!(svg.contains("Refused before they start: forward-euler") && svg.contains("Accurate"), "{svg}");

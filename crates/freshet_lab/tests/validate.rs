@@ -95,6 +95,14 @@ fn vortices_decay_as_fast_as_they_should() -> Result<(), LabError> {
     assert_passes("taylor-green", Backend::Gpu)
 }
 
+/// Both swing as gravity and the shear moduli of the lattice say; as gravity alone says only the one whose lattice has next to none.
+#[test]
+fn waves_swing_as_gravity_and_the_lattice_say() -> Result<(), LabError> {
+    assert_passes("standing-wave-2.15", Backend::Cpu)?;
+    assert_passes("standing-wave-2.15", Backend::Gpu)?;
+    assert_misses_only("standing-wave", Backend::Cpu, BodyMethod::default(), false, &["error of the period"])
+}
+
 #[test]
 fn water_at_rest_has_the_pressure_of_its_depth() -> Result<(), LabError> {
     assert_passes("hydrostatic", Backend::Cpu)?;

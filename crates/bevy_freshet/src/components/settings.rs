@@ -454,6 +454,8 @@ pub enum FluidKernel {
     /// Wendland C2.
     #[default]
     WendlandC2,
+    /// Wendland C6 without the wavelength of a lattice, for a support of 2.3 spacings.
+    WendlandNotch,
     /// Poly6.
     Poly6,
     /// Spiky.
@@ -471,6 +473,7 @@ impl From<FluidKernel> for KernelKind {
             FluidKernel::Quadratic => Self::Quadratic,
             FluidKernel::Quartic => Self::Quartic,
             FluidKernel::WendlandC2 => Self::WendlandC2,
+            FluidKernel::WendlandNotch => Self::WendlandNotch,
             FluidKernel::Poly6 => Self::Poly6,
             FluidKernel::Spiky => Self::Spiky,
             FluidKernel::Viscosity => Self::Viscosity,
@@ -487,6 +490,7 @@ impl From<KernelKind> for FluidKernel {
             KernelKind::Quadratic => Self::Quadratic,
             KernelKind::Quartic => Self::Quartic,
             KernelKind::WendlandC2 => Self::WendlandC2,
+            KernelKind::WendlandNotch => Self::WendlandNotch,
             KernelKind::Poly6 => Self::Poly6,
             KernelKind::Spiky => Self::Spiky,
             KernelKind::Viscosity => Self::Viscosity,

@@ -211,6 +211,61 @@ pub const CONFIGURATIONS: &[Configuration] = &[
     ),
     of(
         Solver,
+        "dfsph-2.15",
+        |scene, _| {
+            divergence_free(scene, 1e-3);
+            scene.settings.support = Support::Ratio(2.15);
+        },
+        "waves and heeling bodies: the support at which particles under pressure resist shear least",
+        "a quarter more pairs; water packs closer as it leaves its lattice",
+    ),
+    of(
+        Solver,
+        "dfsph-2.15-fast",
+        |scene, _| {
+            divergence_free(scene, 1e-2);
+            scene.settings.support = Support::Ratio(2.15);
+            scene.settings.courant_factor = 0.8;
+        },
+        "the same, cheap",
+        "as dfsph-2.15 and dfsph-fast",
+    ),
+    of(
+        Solver,
+        "dfsph-quintic-2.7",
+        |scene, _| {
+            divergence_free(scene, 1e-3);
+            scene.settings.kernel = KernelKind::QuinticSpline;
+            scene.settings.support = Support::Ratio(2.7);
+        },
+        "the same with smoother sums",
+        "two and a half times the pairs",
+    ),
+    of(
+        Solver,
+        "dfsph-notch",
+        |scene, _| {
+            divergence_free(scene, 1e-3);
+            scene.settings.kernel = KernelKind::WendlandNotch;
+            scene.settings.support = Support::Ratio(2.3);
+        },
+        "waves and heeling bodies: sums that see no lattice, so that water under pressure resists no shear",
+        "half as many pairs again",
+    ),
+    of(
+        Solver,
+        "dfsph-notch-fast",
+        |scene, _| {
+            divergence_free(scene, 1e-2);
+            scene.settings.kernel = KernelKind::WendlandNotch;
+            scene.settings.support = Support::Ratio(2.3);
+            scene.settings.courant_factor = 0.8;
+        },
+        "the same, cheap",
+        "as dfsph-notch and dfsph-fast",
+    ),
+    of(
+        Solver,
         "dfsph-50-neighbours",
         |scene, _| {
             divergence_free(scene, 1e-3);
@@ -374,6 +429,16 @@ pub const CONFIGURATIONS: &[Configuration] = &[
     ),
     of(
         Kernel,
+        "wendland-notch",
+        |scene, _| {
+            scene.settings.kernel = KernelKind::WendlandNotch;
+            scene.settings.support = Support::Ratio(2.3);
+        },
+        "waves and heeling bodies: sums that see no lattice (2.3 spacings of support)",
+        "half as many pairs again",
+    ),
+    of(
+        Kernel,
         "viscosity-kernel",
         |scene, _| scene.settings.kernel = KernelKind::Viscosity,
         "its Laplacian, in viscous forces",
@@ -385,6 +450,13 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         |scene, _| scene.settings.support = Support::Neighbours(24.0),
         "a quarter fewer pairs",
         "noisier sums over neighbours",
+    ),
+    of(
+        Neighbours,
+        "support-2.15",
+        |scene, _| scene.settings.support = Support::Ratio(2.15),
+        "waves and heeling bodies: the support at which particles under pressure resist shear least",
+        "a quarter more pairs; water packs closer as it leaves its lattice",
     ),
     of(
         Neighbours,

@@ -42,7 +42,7 @@ const SECTIONS: [Section; 12] = [
     Section {
         stem: "pareto",
         head: "Speed against accuracy",
-        about: "Every configuration on four scenes: what it costs, how far it is off, what nothing beats, what fails.",
+        about: "Every configuration on five scenes: what it costs, how far it is off, what nothing beats, what fails.",
     },
     Section {
         stem: "dam_break",

@@ -8,6 +8,7 @@ pub mod curve;
 pub mod density_rates;
 pub mod front;
 pub mod machine;
+pub mod oscillation;
 pub mod reference_error;
 pub mod spacing;
 pub mod spectral_radius;

@@ -16,4 +16,5 @@ pub mod pirovano_2011_integrators;
 pub mod poiseuille;
 pub mod potential_flow;
 pub mod published_time;
+pub mod standing_wave;
 pub mod taylor_green;

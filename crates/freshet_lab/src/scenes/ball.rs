@@ -1,7 +1,7 @@
 //! A ball of fluid without gravity or walls, for flows that are given to it.
 
 use freshet_core::scene::{FluidScene, Volume};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::reference::ellipsoid;
 
@@ -22,7 +22,17 @@ pub fn scene(across: u32) -> FluidScene {
     scene
 }
 
-/// The velocity that the fluid gets at a place, m/s: drawn in about the z axis, out along it.
+/// What it is drawn out along.
+///
+/// No direction of the lattice: drawn out along z, or near it, the rows of a lattice keep to themselves. They thin out, and do not come between each other
+/// where the fluid is drawn in, so that it stays wide and opens up: after 0.45 s `a^2 c` is 1.43 of what it was (12, 16, 24 or 32 spacings
+/// thick, weakly compressible or not). Along this axis it is 0.98, 0.99, 1.00 and 1.00.
+pub fn axis() -> DVec3 {
+    DVec3::new(1.0, 2.0, 3.0).normalize()
+}
+
+/// The velocity that the fluid gets at a place, m/s: drawn in about [`axis`], out along it.
 pub fn velocity(position: Vec3) -> Vec3 {
-    RATE as f32 * position * Vec3::new(-1.0, -1.0, 2.0)
+    let (x, axis) = (position.as_dvec3(), axis());
+    (RATE * (3.0 * axis * axis.dot(x) - x)).as_vec3()
 }

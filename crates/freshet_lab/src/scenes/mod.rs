@@ -8,6 +8,7 @@ pub mod pirovano;
 pub mod slab;
 pub mod tank;
 pub mod vortices;
+pub mod wave;
 
 /// Standard gravity as the scenes have it, m/s2.
 pub const GRAVITY: f64 = 9.81;

@@ -97,9 +97,9 @@ pub fn document(points: &[Point]) -> Result<String, LabError> {
 Written by `freshet_lab pareto --out docs/charts --sources .` from the registry of configurations
 (`crates/freshet_core/src/configuration/registry.rs`) and [`charts/pareto.csv`](charts/pareto.csv); not to be edited.
 
-![Every configuration: wall seconds per simulated second against the error on the worst of four scenes](charts/pareto.svg)
+![Every configuration: wall seconds per simulated second against the error on the worst of five scenes](charts/pareto.svg)
 
-Each configuration is run on four scenes at one or two resolutions, on one thread of the CPU. Its error is that of the scene it does worst on, its cost the
+Each configuration is run on five scenes at one or two resolutions, on one thread of the CPU. Its error is that of the scene it does worst on, its cost the
 geometric mean of wall seconds per simulated second.
 
 "
@@ -107,7 +107,7 @@ geometric mean of wall seconds per simulated second.
     for scene in CHOSEN_BY {
         text += &format!("- *{}*: {}.\n", capital(scene.title), scene.about);
     }
-    text += &format!("\nA fifth takes no part in any choice. *{}*: {}.\n", capital(HELD_OUT.title), HELD_OUT.about);
+    text += &format!("\nA sixth takes no part in any choice. *{}*: {}.\n", capital(HELD_OUT.title), HELD_OUT.about);
     text += "
 ## Presets
 
@@ -116,7 +116,7 @@ that fail at no resolution, by the error at the worse one and the cost at the fi
 `Accurate` has the smallest error, `Balanced` the smallest product of cost and error of what is between them. `FluidFidelity::within(error)` takes the cheapest that keeps
 an error, and is an error itself where none does. A plan's notes say what was chosen and why.
 
-| preset | configuration | finest particles across | error | on the fifth scene | wall s per simulated s |
+| preset | configuration | finest particles across | error | on the sixth scene | wall s per simulated s |
 |---|---|---|---|---|---|
 ";
     for point in &on_front {

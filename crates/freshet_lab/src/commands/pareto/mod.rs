@@ -1,4 +1,4 @@
-//! `pareto`: every configuration on four scenes, cost against error, and presets from what nothing beats.
+//! `pareto`: every configuration on five scenes, cost against error, and presets from what nothing beats.
 
 mod front;
 mod methods;
@@ -26,16 +26,16 @@ use crate::progress::Progress;
 use crate::side_by_side::{cores, side_by_side};
 use crate::verdict::{Bound, Verdict};
 
-/// Speed against accuracy: every configuration of the registry on four scenes, at two resolutions.
+/// Speed against accuracy: every configuration of the registry on five scenes, at two resolutions.
 ///
-/// The scenes: a dam break against Martin & Moyce 1952, a column at rest, a free ball that is drawn out, a viscous channel (the last three exact). A point's
-/// error is that of the scene it does worst on; its cost is wall seconds per simulated second, the geometric mean of the four. Runs take one thread each
+/// The scenes: a dam break against Martin & Moyce 1952, a column at rest, a free ball that is drawn out, a viscous channel, a standing wave (the last four exact). A point's
+/// error is that of the scene it does worst on; its cost is wall seconds per simulated second, the geometric mean of the five. Runs take one thread each
 /// and go side by side. A run fails by numbers that are not finite, a lost particle, energy above 1.05 of the start, a mean compression above 5 %, more wall
 /// time than --cap, an error above 100 %, or because plan or backend refuse it; a configuration that fails on a scene has no error and is drawn as a failure.
 /// Of the points the front is marked (nothing is both faster and better), of every other what dominates it is named.
 ///
 /// Presets are chosen among configurations that fail at no resolution on the CPU, by the error at the worse one and the cost at the finest: Accurate has the
-/// smallest error, Fast is the cheapest within 10 %, Balanced has the smallest product of cost and error of what is between both. Bounds: on a fifth scene that took no part (Lobovsky's dam break, front with the best shift of the clock) each preset's error
+/// smallest error, Fast is the cheapest within 10 %, Balanced has the smallest product of cost and error of what is between both. Bounds: on a sixth scene that took no part (Lobovsky's dam break, front with the best shift of the clock) each preset's error
 /// is at most the error it is named by; the default configuration fails nowhere.
 ///
 /// Writes pareto.csv and pareto.svg after each finished configuration; with --sources also the table that FluidFidelity chooses from

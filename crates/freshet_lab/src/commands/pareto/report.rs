@@ -56,8 +56,8 @@ pub fn write(output: &Output, points: &mut [Point]) -> Result<(), LabError> {
 
 fn csv(points: &[Point]) -> Csv {
     let mut comments = vec![
-        "Freshet, every configuration on four scenes: `cargo run --release -p freshet_lab -- pareto`.".to_owned(),
-        "error: of the scene it does worst on. wall s per simulated s: geometric mean of the four scenes, one thread a run. across: particles across the fluid."
+        "Freshet, every configuration on five scenes: `cargo run --release -p freshet_lab -- pareto`.".to_owned(),
+        "error: of the scene it does worst on. wall s per simulated s: geometric mean of the five scenes, one thread a run. across: particles across the fluid."
             .to_owned(),
         "dominated_by: what is as cheap and as good and on the front; of several the one with the smallest product of cost and error."
             .to_owned(),
@@ -243,8 +243,8 @@ fn chart(points: &[Point]) -> Scatter {
     shapes.push((Shape::Cross, "fails on a scene".to_owned()));
     Scatter {
         title: format!("Speed against accuracy: {} runs of {} configurations", runs(points), configurations(points)),
-        x_label: "wall seconds per simulated second, one thread, geometric mean of four scenes".to_owned(),
-        y_label: "error on the worst of four scenes, %".to_owned(),
+        x_label: "wall seconds per simulated second, one thread, geometric mean of five scenes".to_owned(),
+        y_label: "error on the worst of five scenes, %".to_owned(),
         failed: "fails".to_owned(),
         dots: points.iter().filter_map(dot).collect(),
         front: on_cpu.iter().filter_map(|point| point.place()).map(|(cost, error)| (cost, 100.0 * error)).collect(),

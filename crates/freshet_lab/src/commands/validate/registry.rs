@@ -67,13 +67,15 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 33] = [
+pub const CASES: [&Case; 35] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
     &cases::poiseuille::CASE,
     &cases::couette::CASE,
     &cases::taylor_green::CASE,
+    &cases::standing_wave::CASE,
+    &cases::standing_wave::WIDE,
     &cases::hydrostatic::CASE,
     &cases::hydrostatic::MUELLER,
     &cases::hydrostatic::CONTINUITY,

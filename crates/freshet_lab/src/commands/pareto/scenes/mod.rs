@@ -4,6 +4,7 @@ mod ball;
 mod channel;
 mod column;
 mod dam_break;
+mod wave;
 
 use std::time::Duration;
 
@@ -35,7 +36,8 @@ impl PartialEq for Benchmark {
 }
 
 /// The scenes that a configuration is judged by.
-pub const CHOSEN_BY: [&Benchmark; 4] = [&dam_break::SQUARE, &column::AT_REST, &ball::DRAWN_OUT, &channel::DRIVEN];
+pub const CHOSEN_BY: [&Benchmark; 5] =
+    [&dam_break::SQUARE, &column::AT_REST, &ball::DRAWN_OUT, &channel::DRIVEN, &wave::STANDING];
 /// The one that takes no part in any choice.
 pub const HELD_OUT: &Benchmark = &dam_break::LARGE;
 

@@ -23,6 +23,7 @@ pub mod righting;
 pub mod spin;
 pub mod splash;
 pub mod stacked;
+pub mod standing_wave;
 pub mod taylor_green;
 pub mod walls;
 pub mod wet;
