@@ -1,6 +1,6 @@
-// Particles are moved apart where they would be too dense without pressure (freshet_core::position_based): `position_begin`, then in each iteration
-// `multiply`: P_a = omega max(rho_a/rho0 - 1, 0) / (max(K_a, least) + softness), times dt^2, `displace`: x_a += a_a(P), and `follow`, which lets the others see it; then
-// `position_finish`: v += (x - x*) / dt. The b come from the bits that the density pass left for x*, where the sorted positions stay, see library/hits.wgsl.
+// Particles are moved apart where they would be too dense without pressure (freshet_core::position_based, freshet_core::pressure_corrected): `position_begin`, then in each iteration
+// `multiply`: P_a = omega max(rho_a/rho0 - 1, 0) / (max(K_a, least) + softness), times dt^2, or c^2 (rho_a - rho0) / rho0^2, `displace`: x_a += a_a(P), and `follow`, which lets the others see
+// it; then `position_finish`: v += (x - x*) / dt. The b come from the bits that the density pass left for x*, where the sorted positions stay, see library/hits.wgsl.
 
 #import freshet::bindings as fields
 #import freshet::grid
@@ -74,9 +74,14 @@ struct Own {
 }
 
 struct Sums {
-    // sum_b (P_a + P_b) F x_ab, and sum_k V_k F x_ak
+    // sum_b (P_a + P_b) F x_ab, or of differences P_b - P_a, and sum_k V_k F x_ak
     fluid: vec3<f32>,
     samples: vec3<f32>,
+#ifdef DIFFERENCES
+    // sum_b P_b W_ab, and sum_b W_ab
+    pressures: f32,
+    around: f32,
+#endif
 }
 
 fn own_of(a: u32) -> Own {
@@ -85,7 +90,15 @@ fn own_of(a: u32) -> Own {
 
 fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
     let x = grid::difference(own.position, fields::motion(b));
-    (*sums).fluid += ((own.push + fields::push(b)) * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+    let q = length(x) * own.inverse_radius;
+#ifdef DIFFERENCES
+    (*sums).fluid += ((fields::push(b) - own.push) * kernels::slope_over_q(q)) * x;
+    let shape = kernels::shape(q);
+    (*sums).pressures += shape * fields::push(b);
+    (*sums).around += shape;
+#else
+    (*sums).fluid += ((own.push + fields::push(b)) * kernels::slope_over_q(q)) * x;
+#endif
 }
 
 fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
@@ -166,10 +179,17 @@ fn multiply(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     density += fields::parameters.sample_density_scale * sums.samples;
     gradient += fields::parameters.number_density * sums.sample_gradient;
 #endif
-    let excess = max(density * fields::parameters.inverse_rest_density - 1.0, 0.0);
+    let excess = density * fields::parameters.inverse_rest_density - 1.0;
+#ifdef PRESSURE_CORRECTED
+    let way = min(fields::parameters.sound_speed * fields::control.last_substep, fields::parameters.longest_sound);
+    let stiffness = way * way * fields::parameters.inverse_rest_density;
+    // Less again where it is too thin, but none below zero in all.
+    let push = max(stiffness * excess, -fields::sum_of_pushes(a));
+#else
     let diagonal = fields::parameters.diagonal_scale * (dot(gradient, gradient) + sums.squares);
     let stiffness = max(diagonal, fields::parameters.least_diagonal) + fields::parameters.softness;
-    let push = fields::parameters.relaxation * excess / stiffness;
+    let push = fields::parameters.relaxation * max(excess, 0.0) / stiffness;
+#endif
     // Before there was a substep nothing has come from anywhere.
     fields::set_push(a, select(0.0, push, fields::control.last_substep > 0.0));
 }
@@ -186,7 +206,14 @@ fn displace(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     let sums = sums_of(own, a);
     var way = fields::parameters.fluid_force_scale * sums.fluid;
 #ifdef WALLS
+#ifdef DIFFERENCES
+    let whole = fields::parameters.fluid_density_scale * fields::parameters.inverse_rest_density;
+    // The fluid's pressure continued into the wall: PressureGradient::in_walls.
+    let mean = whole * sums.pressures / max(whole * sums.around, fields::parameters.fewest_around);
+    way += fields::parameters.sample_force_scale * max(own.push - mean, 0.0) * sums.samples;
+#else
     way += fields::parameters.sample_force_scale * own.push * sums.samples;
+#endif
 #endif
     fields::set_place(a, own.position - way);
 }

@@ -54,7 +54,7 @@ fn choose_substep(remaining: f32, max_speed: f32, max_acceleration: f32, drag_li
     let pressure = bitcast<f32>(atomicExchange(&fields::control.max_pressure, 0u)) * fields::parameters.rest_density;
     let stiff = fields::parameters.pressure_limit / sqrt(max(pressure, 1e-12));
     let limit = min(min(courant, fall), min(stiff, fields::parameters.steady_limit));
-#else ifdef POSITION_BASED
+#else ifdef MOVED_APART
     let way = fields::parameters.longest_way;
     let courant = way / max(max_speed, 1e-12);
     let fall = sqrt(way / max(length(fields::control.gravity), 1e-12));

@@ -23,6 +23,7 @@ mod overlap;
 pub mod periodic;
 pub mod plan;
 pub mod position_based;
+pub mod pressure_corrected;
 pub mod pressure_force;
 pub mod pressure_solver;
 pub mod relaxation;
@@ -58,6 +59,7 @@ pub mod prelude {
     pub use crate::periodic::Periodic;
     pub use crate::plan::{Plan, SceneError, StageKind};
     pub use crate::position_based::PositionBased;
+    pub use crate::pressure_corrected::{PressureCorrected, PressureGradient};
     pub use crate::pressure_force::PressureForce;
     pub use crate::pressure_solver::{DivergenceFree, PressureSolver};
     pub use crate::relaxation::Relaxation;

@@ -51,11 +51,13 @@ impl Work {
                 let of_density = DISTANCE + RELATIVE + shape + 2 + width(3);
                 match parameters.pressure_solver {
                     // p / rho^2 and the compression.
-                    PressureSolver::WeaklyCompressible => {
+                    PressureSolver::WeaklyCompressible
+                    | PressureSolver::PositionBased(_)
+                    | PressureSolver::PressureCorrected(_) => {
                         Self { per_particle: of_pressure(parameters) + 2 + 7, per_pair: of_density }
                     }
                     // The system's diagonal and the compression.
-                    PressureSolver::DivergenceFree(_) | PressureSolver::PositionBased(_) => {
+                    PressureSolver::DivergenceFree(_) => {
                         Self { per_particle: 9 + 7, per_pair: of_density + slope + ADD_VECTOR + 4 }
                     }
                 }

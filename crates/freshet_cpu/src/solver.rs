@@ -543,8 +543,8 @@ impl CpuSolver {
             tally.timed("support", || self.support_stage());
         }
         let compression = tally.timed("density", || self.density_stage());
-        if let PressureSolver::PositionBased(solver) = self.plan.parameters.pressure_solver {
-            tally.timed("position_solve", || self.position_solve_stage(&solver));
+        if self.plan.has(StageKind::PositionSolve) {
+            tally.timed("position_solve", || self.position_solve_stage());
         }
         if self.plan.has(StageKind::BodyDensity) {
             tally.timed("body_density", || self.body_density_stage());
@@ -558,9 +558,9 @@ impl CpuSolver {
         }
         self.loads.clear();
         if self.plan.has(StageKind::BodyLoad) {
-            tally.timed("body_load", || match self.plan.parameters.pressure_solver {
-                PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => self.body_load_stage(),
-                PressureSolver::DivergenceFree(_) => self.body_touch_stage(),
+            tally.timed("body_load", || match self.plan.has(StageKind::DivergenceSolve) {
+                false => self.body_load_stage(),
+                true => self.body_touch_stage(),
             });
             self.add_drags();
             if tally.substeps == 0 || self.bodies.iter().any(|body| body.swollen < 1.0) {

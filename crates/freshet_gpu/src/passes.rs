@@ -1,6 +1,7 @@
 //! From the plan's stages to the dispatches of a substep: which entry point, which buffers, how many groups.
 
 use freshet_core::plan::{Plan, StageKind};
+use freshet_core::pressure_corrected::{PressureCorrected, PressureGradient};
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::ScheduledPass;
@@ -118,8 +119,17 @@ pub(crate) fn incompressible(plan: &Plan) -> bool {
 pub(crate) fn position_iterations(plan: &Plan) -> u32 {
     match plan.parameters.pressure_solver {
         PressureSolver::PositionBased(solver) => solver.iterations,
+        PressureSolver::PressureCorrected(solver) => solver.iterations,
         PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => 0,
     }
+}
+
+/// Whether particles are moved by differences of pressures.
+pub(crate) fn by_differences(plan: &Plan) -> bool {
+    matches!(
+        plan.parameters.pressure_solver,
+        PressureSolver::PressureCorrected(PressureCorrected { gradient: PressureGradient::Difference, .. })
+    )
 }
 
 /// Whether there are bodies that answer to the solves of an incompressible fluid.

@@ -8,6 +8,7 @@ use freshet_core::fidelity;
 use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
 use freshet_core::position_based::PositionBased;
+use freshet_core::pressure_corrected::{PressureCorrected, PressureGradient};
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::relaxation::Relaxation;
@@ -376,6 +377,35 @@ impl From<PressureForce> for FluidPressureForce {
     }
 }
 
+/// How a pressure-corrected fluid finds the gradient of its pressures; formulas stand at [`PressureGradient`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidPressureGradient {
+    /// From sums of pairs' pressures.
+    #[default]
+    Sum,
+    /// From their differences.
+    Difference,
+}
+
+impl From<FluidPressureGradient> for PressureGradient {
+    fn from(gradient: FluidPressureGradient) -> Self {
+        match gradient {
+            FluidPressureGradient::Sum => Self::Sum,
+            FluidPressureGradient::Difference => Self::Difference,
+        }
+    }
+}
+
+impl From<PressureGradient> for FluidPressureGradient {
+    fn from(gradient: PressureGradient) -> Self {
+        match gradient {
+            PressureGradient::Sum => Self::Sum,
+            PressureGradient::Difference => Self::Difference,
+        }
+    }
+}
+
 /// How pressure is found; methods and sources stand at [`PressureSolver`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Default, Clone, Debug, PartialEq)]
@@ -400,6 +430,13 @@ pub enum FluidPressureSolver {
         /// See [`PositionBased::softness`], 0 to 10.
         softness: f32,
     },
+    /// From what is too dense where particles would be without pressure, a fixed number of times in each of few substeps: as soft as its iterations. Without bodies.
+    PressureCorrected {
+        /// Iterations of a substep, 1 to 1000.
+        iterations: u32,
+        /// By which gradient particles are moved.
+        gradient: FluidPressureGradient,
+    },
 }
 
 impl FluidPressureSolver {
@@ -419,6 +456,9 @@ impl From<FluidPressureSolver> for PressureSolver {
             FluidPressureSolver::PositionBased { iterations, softness } => {
                 Self::PositionBased(PositionBased { iterations, softness })
             }
+            FluidPressureSolver::PressureCorrected { iterations, gradient } => {
+                Self::PressureCorrected(PressureCorrected { iterations, gradient: gradient.into() })
+            }
         }
     }
 }
@@ -432,6 +472,9 @@ impl From<PressureSolver> for FluidPressureSolver {
             }
             PressureSolver::PositionBased(PositionBased { iterations, softness }) => {
                 Self::PositionBased { iterations, softness }
+            }
+            PressureSolver::PressureCorrected(PressureCorrected { iterations, gradient }) => {
+                Self::PressureCorrected { iterations, gradient: gradient.into() }
             }
         }
     }

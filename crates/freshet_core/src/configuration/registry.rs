@@ -7,6 +7,7 @@ use crate::equation_of_state::EquationOfState;
 use crate::integrator::Integrator;
 use crate::kernel::KernelKind;
 use crate::position_based::PositionBased;
+use crate::pressure_corrected::{PressureCorrected, PressureGradient};
 use crate::pressure_force::PressureForce;
 use crate::pressure_solver::{DivergenceFree, PressureSolver};
 use crate::scene::{FluidScene, Support};
@@ -32,6 +33,11 @@ fn divergence_free(scene: &mut FluidScene, tolerance: f32) {
 fn position_based(scene: &mut FluidScene, iterations: u32) {
     scene.settings.pressure_solver =
         PressureSolver::PositionBased(PositionBased { iterations, ..PositionBased::default() });
+}
+
+/// Pressure-corrected SPH of so many iterations a substep.
+fn pressure_corrected(scene: &mut FluidScene, iterations: u32, gradient: PressureGradient) {
+    scene.settings.pressure_solver = PressureSolver::PressureCorrected(PressureCorrected { iterations, gradient });
 }
 
 /// A speed of sound of so many times the expected speed.
@@ -252,6 +258,27 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         },
         "stiffer by shorter steps",
         "four times the substeps in fast flows, none the more in slow ones",
+    ),
+    of(
+        Solver,
+        "pressure-corrected",
+        |scene, _| pressure_corrected(scene, 4, PressureGradient::Sum),
+        "comparison with Bao et al. 2009: pressures from what velocities compress, without a system of equations",
+        "stiffness is that of iterations and step: deep water sinks in",
+    ),
+    of(
+        Solver,
+        "pressure-corrected-16",
+        |scene, _| pressure_corrected(scene, 16, PressureGradient::Sum),
+        "the same, stiffer",
+        "four times the iterations, still a spring",
+    ),
+    of(
+        Solver,
+        "pressure-corrected-difference",
+        |scene, _| pressure_corrected(scene, 4, PressureGradient::Difference),
+        "comparison with Pirovano 2011, whose gradient it is: exact for an even pressure",
+        "it keeps no momentum and holds water too high; pressures are a fifth too large at floors",
     ),
     of(
         Density,

@@ -116,7 +116,9 @@ impl CpuSolver {
         let parameters = &self.plan.parameters;
         let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
         let (second, seconds) = match parameters.pressure_solver {
-            PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => {
+            PressureSolver::WeaklyCompressible
+            | PressureSolver::PositionBased(_)
+            | PressureSolver::PressureCorrected(_) => {
                 (Second::PressureTerm(parameters.pressure_law), &mut self.pressure_term)
             }
             PressureSolver::DivergenceFree(_) => {

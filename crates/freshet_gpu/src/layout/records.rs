@@ -179,6 +179,12 @@ wgsl_struct! {
         wall_way: Vec3,
         /// Share of the speed along a wall that stays.
         wall_slip: f32,
+        /// How far sound of a pressure-corrected fluid goes in a substep at most, m.
+        longest_sound: f32,
+        /// The least that neighbours count for in the mean of their pressures, relative density.
+        fewest_around: f32,
+        /// Unused.
+        pad: [u32; 2],
     }
 
     /// What the GPU decides from substep to substep, and what it reports.

@@ -1,4 +1,4 @@
-//! Position-based fluids: iterations of the shipped shaders against sums over all pairs.
+//! Position-based and pressure-corrected fluids: iterations of the shipped shaders against sums over all pairs.
 
 use freshet_core::prelude::*;
 use freshet_gpu::{GpuOptions, GpuSolver};
@@ -9,8 +9,16 @@ use crate::moved::moved;
 
 fn scene(iterations: u32) -> FluidScene {
     let mut scene = dam_break(0.1);
-    scene.settings.pressure_solver = PressureSolver::PositionBased(PositionBased { iterations, softness: 0.05 });
+    scene.settings.pressure_solver = position_based(iterations);
     scene
+}
+
+fn position_based(iterations: u32) -> PressureSolver {
+    PressureSolver::PositionBased(PositionBased { iterations, softness: 0.05 })
+}
+
+fn corrected(iterations: u32, gradient: PressureGradient) -> PressureSolver {
+    PressureSolver::PressureCorrected(PressureCorrected { iterations, gradient })
 }
 
 /// The same as a slab that repeats itself along x, without any viscosity.
@@ -51,7 +59,7 @@ fn errors(solver: &mut GpuSolver) -> [f64; 3] {
     let ids = solver.read(Field::Id).unwrap().integers().unwrap();
     let mut by_id = |field| solver.read(field).unwrap().sorted_by_id(&ids).scalars().unwrap();
     let (pressure, density) = (by_id(Field::Pressure), by_id(Field::Density));
-    let (places, pushes) = moved(&plan, &start.positions);
+    let (places, pushes) = moved(&plan, &start.positions, DT);
     let ways: Vec<DVec3> = places.iter().zip(&start.positions).map(|(x, start)| *x - start.as_dvec3()).collect();
     let farthest = ways.iter().map(|way| way.length()).fold(0.0, f64::max);
     let dt = f64::from(DT);
@@ -77,21 +85,37 @@ const TOLERANCE: f64 = 1e-4;
 
 #[test]
 fn particles_are_moved_as_sums_over_all_pairs_say() {
-    for (kernel, iterations) in [(KernelKind::WendlandC2, 1), (KernelKind::WendlandC2, 4), (KernelKind::CubicSpline, 3)]
-    {
-        for mut scene in [scene(iterations), slab(iterations)] {
+    use PressureGradient::{Difference, Sum};
+    for (kernel, method) in [
+        (KernelKind::WendlandC2, position_based(1)),
+        (KernelKind::WendlandC2, position_based(4)),
+        (KernelKind::CubicSpline, position_based(3)),
+        (KernelKind::WendlandC2, corrected(4, Sum)),
+        (KernelKind::WendlandC2, corrected(1, Difference)),
+        (KernelKind::CubicSpline, corrected(3, Difference)),
+    ] {
+        for mut scene in [scene(1), slab(1)] {
             scene.settings.kernel = kernel;
+            scene.settings.pressure_solver = method;
             let found = errors(&mut solver(&scene));
-            assert!(found.iter().all(|&error| error < TOLERANCE), "{kernel:?} {iterations}: {found:?}");
+            assert!(found.iter().all(|&error| error < TOLERANCE), "{kernel:?} {method:?}: {found:?}");
         }
     }
-    for patch in [
-        ("relaxation * excess / stiffness", "relaxation * 1.001 * excess / stiffness"),
-        ("own.push * sums.samples", "1.01 * own.push * sums.samples"),
-        ("fields::set_motion(a, fields::place(a))", "fields::set_motion(a, fields::place(a) * 1.001)"),
-        ("rate = select(0.0, 1.0 /", "rate = select(0.0, 0.999 /"),
+    for (method, patch) in [
+        (position_based(4), ("relaxation * max(excess, 0.0)", "relaxation * 1.001 * max(excess, 0.0)")),
+        (position_based(4), ("own.push * sums.samples", "1.01 * own.push * sums.samples")),
+        (
+            position_based(4),
+            ("fields::set_motion(a, fields::place(a))", "fields::set_motion(a, fields::place(a) * 1.001)"),
+        ),
+        (position_based(4), ("rate = select(0.0, 1.0 /", "rate = select(0.0, 0.999 /")),
+        (corrected(4, Sum), ("stiffness * excess", "stiffness * 1.001 * excess")),
+        (corrected(4, Sum), ("-fields::sum_of_pushes(a)", "0.0")),
+        (corrected(4, Difference), ("max(own.push - mean, 0.0)", "max(own.push - 1.01 * mean, 0.0)")),
+        (corrected(4, Difference), ("(fields::push(b) - own.push)", "(fields::push(b) - 0.999 * own.push)")),
     ] {
-        let found = errors(&mut solver_with(&scene(4), GpuOptions { patch: Some(patch), ..Default::default() }));
+        let scene = FluidScene { settings: Settings { pressure_solver: method, ..scene(4).settings }, ..scene(4) };
+        let found = errors(&mut solver_with(&scene, GpuOptions { patch: Some(patch), ..Default::default() }));
         assert!(found.iter().any(|&error| error > TOLERANCE), "{patch:?} makes errors of {found:?} only");
     }
 }

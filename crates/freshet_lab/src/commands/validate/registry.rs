@@ -67,7 +67,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 33] = [
+pub const CASES: [&Case; 34] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -80,6 +80,7 @@ pub const CASES: [&Case; 33] = [
     &cases::hydrostatic::DIVERGENCE_FREE,
     &cases::density_drift::CASE,
     &cases::position_based::CASE,
+    &cases::pressure_corrected::CASE,
     &cases::deep_column::CASE,
     &cases::deep_column::DIVERGENCE_FREE,
     &cases::calm::CASE,

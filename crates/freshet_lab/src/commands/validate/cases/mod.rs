@@ -18,6 +18,7 @@ pub mod pinned;
 pub mod poiseuille;
 pub mod pool_drop;
 pub mod position_based;
+pub mod pressure_corrected;
 pub mod relaxing_cube;
 pub mod righting;
 pub mod spin;
