@@ -1,12 +1,17 @@
 // Particles are moved apart where they would be too dense without pressure (freshet_core::position_based, freshet_core::pressure_corrected): `position_begin`, then in each iteration
 // `multiply`: P_a = omega max(rho_a/rho0 - 1, 0) / (max(K_a, least) + softness), times dt^2, or c^2 (rho_a - rho0) / rho0^2, `displace`: x_a += a_a(P), and `follow`, which lets the others see
-// it; then `position_finish`: v += (x - x*) / dt. The b come from the bits that the density pass left for x*, where the sorted positions stay, see library/hits.wgsl.
+// it; then `position_finish`: v += (x - x*) / dt. Where a Poisson equation says how hard they push
+// (freshet_core::pressure_poisson), `poisson_diagonal` comes after the beginning, then so many times `poisson_relax`, solve_control.wgsl, `poisson_exchange`, and at the end `poisson_end` and `displace`.
+// The b come from the bits that the density pass left for x*, where the sorted positions stay, see library/hits.wgsl.
 
 #import freshet::bindings as fields
 #import freshet::grid
 #import freshet::hits
 #import freshet::kernels
 #import freshet::threads
+#ifdef POISSON
+#import freshet::solve
+#endif
 
 #ifdef POSITION_BEGIN
 @compute @workgroup_size(#{WORKGROUP_SIZE})
@@ -107,9 +112,62 @@ fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
 }
 #endif
 
+#ifdef POISSON_DIAGONAL
+struct Own {
+    position: vec3<f32>,
+    inverse_radius: f32,
+}
+
+struct Sums {
+    // sum_b F, sum_b F x_ab, the same of samples with their volumes
+    slopes: f32,
+    gradient: vec3<f32>,
+    sample_gradient: vec3<f32>,
+}
+
+fn own_of(a: u32) -> Own {
+    return Own(fields::sorted_position(a), fields::parameters.inverse_support_radius);
+}
+
+fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, fields::sorted_position(b));
+    let slope = kernels::slope_over_q(length(x) * own.inverse_radius);
+    (*sums).slopes += slope;
+    (*sums).gradient += slope * x;
+}
+
+fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, sample.position);
+    (*sums).sample_gradient += sample.weight * kernels::slope_over_q(length(x) * own.inverse_radius) * x;
+}
+#endif
+
+#ifdef POISSON_RELAX
+struct Own {
+    position: vec3<f32>,
+    inverse_radius: f32,
+}
+
+struct Sums {
+    // sum_b F P_b
+    slopes: f32,
+}
+
+fn own_of(a: u32) -> Own {
+    return Own(fields::sorted_position(a), fields::parameters.inverse_support_radius);
+}
+
+fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, fields::sorted_position(b));
+    (*sums).slopes += kernels::slope_over_q(length(x) * own.inverse_radius) * fields::push(b);
+}
+#endif
+
 #ifndef POSITION_BEGIN
 #ifndef FOLLOW
 #ifndef POSITION_FINISH
+#ifndef POISSON_EXCHANGE
+#ifndef POISSON_END
 fn sums_of(own: Own, a: u32) -> Sums {
     // Of where it was sorted.
     let start = fields::sorted_position(a);
@@ -117,7 +175,9 @@ fn sums_of(own: Own, a: u32) -> Sums {
     let extent = grid::shape();
     let squared_radius = fields::parameters.squared_support_radius;
 #ifdef WALLS
+#ifndef POISSON_RELAX
     let wall_starts = fields::parameters.wall_starts;
+#endif
 #endif
     var sums: Sums;
     for (var row = 0u; row < 9u; row++) {
@@ -146,6 +206,7 @@ fn sums_of(own: Own, a: u32) -> Sums {
             }
         }
 #ifdef WALLS
+#ifndef POISSON_RELAX
         if ((found & hits::SAMPLES) != 0u) {
             let walls = grid::row_of(wall_starts, cells);
             for (var t = 0u; t < walls.count; t++) {
@@ -157,9 +218,12 @@ fn sums_of(own: Own, a: u32) -> Sums {
             }
         }
 #endif
+#endif
     }
     return sums;
 }
+#endif
+#endif
 #endif
 #endif
 #endif
@@ -237,6 +301,67 @@ fn position_finish(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
     workgroupBarrier();
     if (local == 0u) {
         atomicMax(&fields::control.max_speed, atomicLoad(&group_speed));
+    }
+}
+#endif
+
+#ifdef POISSON_DIAGONAL
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn poisson_diagonal(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a >= fields::control.live) {
+        return;
+    }
+    let sums = sums_of(own_of(a), a);
+    let gradient = sums.gradient + fields::parameters.number_density * sums.sample_gradient;
+    let own = fields::parameters.diagonal_scale * dot(gradient, gradient);
+    let all = max(own - fields::parameters.poisson_scale * sums.slopes, fields::parameters.least_diagonal);
+    // Zero at a free surface.
+    fields::set_push_diagonal(a, select(all, 0.0, fields::density(a) < fields::parameters.surface_density));
+}
+#endif
+
+#ifdef POISSON_RELAX
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn poisson_relax(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        let diagonal = fields::push_diagonal(a);
+        if (diagonal > 0.0) {
+            let excess = fields::density(a) * fields::parameters.inverse_rest_density - 1.0;
+            let push = fields::push(a);
+            let left = excess - diagonal * push - fields::parameters.poisson_scale * sums_of(own_of(a), a).slopes;
+            let free = push + fields::parameters.relaxation * left / diagonal;
+            let stepped = max(free, 0.0);
+            let before = fields::stepped_push(a);
+            fields::set_next_push(a, stepped, max(stepped + fields::control.momentum * (stepped - before), 0.0));
+            // Where there is no pressure left to take away, a fluid that parts is as it should be.
+            solve::add_left(select(abs(left), 0.0, free < 0.0));
+        }
+    }
+    workgroupBarrier();
+    if (local == 0u) {
+        solve::publish_left();
+    }
+}
+#endif
+
+#ifdef POISSON_EXCHANGE
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn poisson_exchange(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        fields::take_next_push(a);
+    }
+}
+#endif
+
+#ifdef POISSON_END
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn poisson_end(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        fields::take_stepped_push(a);
     }
 }
 #endif

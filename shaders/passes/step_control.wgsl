@@ -37,6 +37,12 @@ fn begin_tick() {
     fields::control.unsolved = 0u;
     arguments::write_solve_arguments(false, false, false);
 #endif
+#ifdef POISSON
+    fields::control.density_iterations = 0u;
+    fields::control.unsolved = 0u;
+    fields::control.residual = 0.0;
+    arguments::write_iteration_arguments(false);
+#endif
     // Even a tick of no length evaluates the stages once, so that fields can be read.
     fields::control.going = 1u;
     arguments::write_arguments(true);

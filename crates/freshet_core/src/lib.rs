@@ -25,6 +25,7 @@ pub mod plan;
 pub mod position_based;
 pub mod pressure_corrected;
 pub mod pressure_force;
+pub mod pressure_poisson;
 pub mod pressure_solver;
 pub mod relaxation;
 pub mod run;
@@ -61,6 +62,7 @@ pub mod prelude {
     pub use crate::position_based::PositionBased;
     pub use crate::pressure_corrected::{PressureCorrected, PressureGradient};
     pub use crate::pressure_force::PressureForce;
+    pub use crate::pressure_poisson::PressurePoisson;
     pub use crate::pressure_solver::{DivergenceFree, PressureSolver};
     pub use crate::relaxation::Relaxation;
     pub use crate::run::SceneRun;

@@ -309,7 +309,7 @@ pub struct Settings {
     /// [`variable_support`](crate::variable_support).
     pub widest_support: f32,
     /// Lets particles settle before the start; none starts as volumes are sampled. Not with bodies, whose places are not known then, nor with
-    /// solvers that move particles apart (position-based, pressure-corrected) or walls that are not in the sums.
+    /// solvers that move particles apart (position-based, pressure-corrected, pressure Poisson) or walls that are not in the sums.
     pub relaxation: Option<Relaxation>,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
     pub viscosity_model: Option<ViscosityModel>,
@@ -390,6 +390,7 @@ impl Settings {
             PressureSolver::DivergenceFree(solver) => solver.validate(),
             PressureSolver::PositionBased(solver) => solver.validate(),
             PressureSolver::PressureCorrected(solver) => solver.validate(),
+            PressureSolver::PressurePoisson(solver) => solver.validate(),
         }
         .map_err(|error| error.inside("pressure_solver"))?;
         if self.pressure_solver.moves_apart() {

@@ -53,7 +53,8 @@ impl Work {
                     // p / rho^2 and the compression.
                     PressureSolver::WeaklyCompressible
                     | PressureSolver::PositionBased(_)
-                    | PressureSolver::PressureCorrected(_) => {
+                    | PressureSolver::PressureCorrected(_)
+                    | PressureSolver::PressurePoisson(_) => {
                         Self { per_particle: of_pressure(parameters) + 2 + 7, per_pair: of_density }
                     }
                     // The system's diagonal and the compression.
@@ -102,6 +103,10 @@ impl Work {
                 Self { per_particle: ADD_VECTOR + 2 * 6, per_pair }
             }
             StageKind::Integrate => Self { per_particle: 2 * ADD_VECTOR, per_pair: 0 },
+            // Of one iteration of a Poisson equation: a sum of pressures, and the next.
+            StageKind::PositionSolve if matches!(parameters.pressure_solver, PressureSolver::PressurePoisson(_)) => {
+                Self { per_particle: 14, per_pair: DISTANCE + RELATIVE + slope + 2 }
+            }
             // Of one iteration: sums as those of an incompressible fluid's densities, and as that of pressures; the move.
             StageKind::PositionSolve => {
                 let sums = DISTANCE + RELATIVE + shape + 2 + slope + ADD_VECTOR + 4;

@@ -171,6 +171,7 @@ struct Tally {
     max_speed: f32,
     divergence_iterations: u32,
     density_iterations: u32,
+    residual: f32,
     unsolved: u32,
     redone: u32,
     dropped: Dropped,
@@ -500,6 +501,7 @@ impl CpuSolver {
         report.max_speed = tally.max_speed;
         report.divergence_iterations = tally.divergence_iterations;
         report.density_iterations = tally.density_iterations;
+        report.residual = tally.residual;
         report.unsolved = tally.unsolved;
         report.redone = tally.redone;
         report.removed = tally.dropped.removed;
@@ -544,7 +546,11 @@ impl CpuSolver {
         }
         let compression = tally.timed("density", || self.density_stage());
         if self.plan.has(StageKind::PositionSolve) {
-            tally.timed("position_solve", || self.position_solve_stage());
+            if let Some((solved, residual)) = tally.timed("position_solve", || self.position_solve_stage()) {
+                let iterations = tally.count(solved);
+                tally.density_iterations += iterations;
+                tally.residual = tally.residual.max(residual);
+            }
         }
         if self.plan.has(StageKind::BodyDensity) {
             tally.timed("body_density", || self.body_density_stage());

@@ -1,7 +1,10 @@
-//! Position-based and pressure-corrected fluids: iterations against sums over all pairs, momentum, and what a column at rest comes to.
+//! Position-based and pressure-corrected fluids, and those by a Poisson equation: iterations against sums over all pairs, momentum, and what a column at rest comes to.
 
 #[path = "common/position_based.rs"]
 mod reference;
+
+#[path = "common/poisson.rs"]
+mod poisson_reference;
 
 use freshet_core::prelude::*;
 use freshet_cpu::{CpuOptions, CpuSolver, InstructionSet};
@@ -28,6 +31,10 @@ fn position_based(iterations: u32) -> PressureSolver {
 
 fn corrected(iterations: u32, gradient: PressureGradient) -> PressureSolver {
     PressureSolver::PressureCorrected(PressureCorrected { iterations, gradient })
+}
+
+fn poisson(tolerance: f32, max_iterations: u32) -> PressureSolver {
+    PressureSolver::PressurePoisson(PressurePoisson { tolerance, max_iterations })
 }
 
 /// The same as a slab that repeats itself along x.
@@ -120,9 +127,73 @@ fn particles_are_moved_as_sums_over_all_pairs_say() {
     }
 }
 
+/// Of a fluid between walls, one that repeats itself, and drops thrown apart.
+#[test]
+fn pressures_solve_the_poisson_equation_and_move_particles_by_their_sums() {
+    for (kernel, tolerance, instruction_set) in [
+        (KernelKind::WendlandC2, 1e-3, InstructionSet::Widest),
+        (KernelKind::WendlandC2, 0.1, InstructionSet::Widest),
+        (KernelKind::CubicSpline, 1e-3, InstructionSet::Scalar),
+    ] {
+        for mut scene in [column(1), slab(1)] {
+            scene.settings.kernel = kernel;
+            scene.settings.pressure_solver = poisson(tolerance, 1000);
+            let plan = Plan::new(&scene).unwrap();
+            let (start, dt) = (stirred(&plan, 2e-3), 2e-3);
+            let mut solver = solver_of(&plan, instruction_set);
+            solver.restore(&start).unwrap();
+            let report = solver.step(&StepInput::default()).unwrap();
+            assert!(report.unsolved == 0 && report.density_iterations > 2, "{report:?}");
+            assert!(report.residual > 0.0 && report.residual <= tolerance, "{}", report.residual);
+            let after = solver.snapshot().unwrap();
+            let ids = solver.read(Field::Id).unwrap().integers().unwrap();
+            let mut by_id = |field| solver.read(field).unwrap().sorted_by_id(&ids).scalars().unwrap();
+            let (pressure, density) = (by_id(Field::Pressure), by_id(Field::Density));
+            let pushes: Vec<f64> = pressure
+                .iter()
+                .zip(&density)
+                .map(|(&p, &rho)| dt * dt * f64::from(p) / f64::from(rho).powi(2))
+                .collect();
+            let found = poisson_reference::left(&plan, &start.positions, &pushes);
+            // One more step than what was reported.
+            let left = found.left / found.begun;
+            assert!(left < 1.1 * f64::from(tolerance) && left > 0.02 * f64::from(tolerance), "{kernel:?} {left}");
+            let pushed = pushes.iter().filter(|&&push| push > 0.0).count();
+            assert!(pushes.iter().all(|&push| push >= 0.0) && pushed > pushes.len() / 4, "{pushed}");
+            let farthest = found.ways.iter().map(|way| way.length()).fold(0.0, f64::max);
+            for (a, (way, surface)) in found.ways.iter().zip(&found.surface).enumerate() {
+                assert!(!surface || pushes[a] == 0.0, "{a}");
+                let change = (after.velocities[a] - start.velocities[a]).as_dvec3();
+                assert!((change * dt).distance(*way) < 1.2e-7 + 2e-5 * farthest, "{a}: {} not {way}", change * dt);
+            }
+        }
+    }
+}
+
+/// What iterations leave is said, and that they were too few.
+#[test]
+fn a_poisson_equation_that_is_not_solved_is_reported() {
+    let mut scene = column(1);
+    scene.settings.pressure_solver = poisson(1e-4, 5);
+    let plan = Plan::new(&scene).unwrap();
+    let mut solver = solver_of(&plan, InstructionSet::default());
+    solver.restore(&stirred(&plan, 2e-3)).unwrap();
+    let report = solver.step(&StepInput::default()).unwrap();
+    assert!(report.unsolved == 1 && report.density_iterations == 5 && report.residual > 1e-4, "{report:?}");
+}
+
+#[test]
+fn water_by_a_poisson_equation_stands() {
+    for (tolerance, d) in [(0.02, 120.0), (0.02, 480.0), (0.002, 120.0)] {
+        let [pressure, height] = at_rest(poisson(tolerance, 300), 1.0 / d);
+        println!("POISSON {tolerance} {d}: {pressure} {height}");
+        assert!((pressure - 1.0).abs() < 0.1 && (height - 1.0).abs() < 0.03, "{tolerance} {d}: {pressure} {height}");
+    }
+}
+
 #[test]
 fn fluid_alone_keeps_its_momentum() {
-    for method in [position_based(5), corrected(5, PressureGradient::Sum)] {
+    for method in [position_based(5), corrected(5, PressureGradient::Sum), poisson(0.01, 60)] {
         keeps_momentum(method);
     }
 }
@@ -213,7 +284,7 @@ fn a_run_goes_on_from_a_snapshot_as_if_it_had_not_ended() {
 }
 
 /// Plans of the same column for every method that keeps something else of a substep.
-fn methods() -> [(&'static str, Plan); 5] {
+fn methods() -> [(&'static str, Plan); 6] {
     let of = |change: fn(&mut Settings)| {
         let mut scene = column(3);
         change(&mut scene.settings);
@@ -234,6 +305,7 @@ fn methods() -> [(&'static str, Plan); 5] {
         ),
         ("position-based", of(|_| ())),
         ("pressure-corrected", of(|settings| settings.pressure_solver = corrected(3, PressureGradient::Sum))),
+        ("poisson", of(|settings| settings.pressure_solver = poisson(0.02, 60))),
     ]
 }
 
@@ -241,7 +313,7 @@ fn methods() -> [(&'static str, Plan); 5] {
 #[test]
 fn no_method_goes_on_from_the_substep_of_another() {
     // They leave the same, and go on from each other.
-    let moving_apart = ["position-based", "pressure-corrected"];
+    let moving_apart = ["position-based", "pressure-corrected", "poisson"];
     for (before, plan) in &methods() {
         let mut solver = solver_of(plan, InstructionSet::default());
         for tick in 0..3 {

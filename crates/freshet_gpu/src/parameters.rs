@@ -5,6 +5,7 @@ use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::near_pressure;
 use freshet_core::plan::Plan;
 use freshet_core::pressure_corrected::PressureGradient;
+use freshet_core::pressure_poisson::PressurePoisson;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::step::StepInput;
 use freshet_core::tensile_correction::inverse_shape;
@@ -47,6 +48,10 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
     // Of other plans nobody reads it.
     let solver = match p.pressure_solver {
         PressureSolver::DivergenceFree(solver) => solver,
+        // A Poisson equation ends by the share that is left.
+        PressureSolver::PressurePoisson(PressurePoisson { tolerance, max_iterations }) => {
+            DivergenceFree { divergence: tolerance, max_iterations, ..DivergenceFree::default() }
+        }
         _ => DivergenceFree::default(),
     };
     let strength = f64::from(p.wall_strength);
@@ -151,6 +156,8 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         wall_slip: penalty.slip,
         wall_way: penalty.one_way.unwrap_or_default(),
         longest_sound: p.longest_sound,
+        poisson_scale: (2.0 * mass * slope_scale / f64::from(p.density_calibration)) as f32,
+        surface_density: PressurePoisson::SURFACE * p.rest_density,
         fewest_around: PressureGradient::FEWEST * (1.0 - (mass / rest * density * p.kernel.shape(0.0)) as f32),
         ..Default::default()
     }

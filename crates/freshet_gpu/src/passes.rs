@@ -115,11 +115,13 @@ pub(crate) fn incompressible(plan: &Plan) -> bool {
     matches!(plan.parameters.pressure_solver, PressureSolver::DivergenceFree(_))
 }
 
-/// How often particles are moved apart in a substep.
+/// How many iterations of a substep move particles apart, or are encoded for that.
 pub(crate) fn position_iterations(plan: &Plan) -> u32 {
     match plan.parameters.pressure_solver {
         PressureSolver::PositionBased(solver) => solver.iterations,
         PressureSolver::PressureCorrected(solver) => solver.iterations,
+        // What is encoded beyond those that are needed dispatches nothing.
+        PressureSolver::PressurePoisson(solver) => solver.max_iterations,
         PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => 0,
     }
 }
@@ -368,6 +370,32 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 (B::SortedVelocities, Write),
                 (B::Densities, Write),
             ];
+            if let PressureSolver::PressurePoisson(_) = plan.parameters.pressure_solver {
+                let around = [
+                    (B::SortedPositions, Read),
+                    (B::CellStarts, Read),
+                    (B::Hits, Read),
+                    (B::Densities, Read),
+                    (B::Places, Write),
+                ];
+                let places = [(B::Places, Write)];
+                let diagonal = pass("poisson_diagonal", &with(samples, around.to_vec(), &[(B::Samples, Read)]));
+                let iterates = |pass| Pass { iterates: true, ..pass };
+                let of_iteration = |name, uses: &[(Binding, Access)]| {
+                    iterates(Pass { dispatch: Dispatch::Indirect(Arguments::Iterations), ..pass(name, uses) })
+                };
+                return vec![
+                    pass("position_begin", &begin),
+                    diagonal,
+                    control("poisson_first"),
+                    of_iteration("poisson_relax", &around),
+                    iterates(control("poisson_control")),
+                    of_iteration("poisson_exchange", &places),
+                    pass("poisson_end", &places),
+                    pass("displace", &uses),
+                    pass("position_finish", &finish),
+                ];
+            }
             let iteration = [
                 pass("multiply", &uses),
                 pass("displace", &uses),

@@ -100,6 +100,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("HISTORIES", history_words(plan) > 0),
         ("PASTS", past_words(plan) > 0),
         ("PRESSURE_CORRECTED", matches!(parameters.pressure_solver, PressureSolver::PressureCorrected(_))),
+        ("POISSON", matches!(parameters.pressure_solver, PressureSolver::PressurePoisson(_))),
         ("DIFFERENCES", by_differences(plan)),
         ("MOVED_APART", plan.has(StageKind::PositionSolve)),
         ("LAST_SUBSTEP", parameters.density.is_carried() || plan.has(StageKind::PositionSolve)),

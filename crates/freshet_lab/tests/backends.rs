@@ -271,6 +271,13 @@ fn stages_of_a_pressure_corrected_fluid_agree() {
 }
 
 #[test]
+fn stages_of_a_fluid_by_a_poisson_equation_agree() {
+    compare_without_bodies(|settings| {
+        settings.pressure_solver = PressureSolver::PressurePoisson(PressurePoisson::default());
+    });
+}
+
+#[test]
 fn stages_with_a_correction_of_tensions_agree() {
     compare_without_bodies(|settings| {
         settings.clamp_negative_pressure = false;

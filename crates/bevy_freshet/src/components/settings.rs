@@ -10,6 +10,7 @@ use freshet_core::kernel::KernelKind;
 use freshet_core::position_based::PositionBased;
 use freshet_core::pressure_corrected::{PressureCorrected, PressureGradient};
 use freshet_core::pressure_force::PressureForce;
+use freshet_core::pressure_poisson::PressurePoisson;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::relaxation::Relaxation;
 use freshet_core::scene::{Settings, Support};
@@ -437,6 +438,13 @@ pub enum FluidPressureSolver {
         /// By which gradient particles are moved.
         gradient: FluidPressureGradient,
     },
+    /// From the same by a Poisson equation (MPS), in as many iterations as it takes. Without bodies.
+    PressurePoisson {
+        /// What iterations leave of what they begin with, 1e-4 to 0.5.
+        tolerance: f32,
+        /// Most iterations of a substep, 2 to 1000.
+        max_iterations: u32,
+    },
 }
 
 impl FluidPressureSolver {
@@ -456,6 +464,9 @@ impl From<FluidPressureSolver> for PressureSolver {
             FluidPressureSolver::PositionBased { iterations, softness } => {
                 Self::PositionBased(PositionBased { iterations, softness })
             }
+            FluidPressureSolver::PressurePoisson { tolerance, max_iterations } => {
+                Self::PressurePoisson(PressurePoisson { tolerance, max_iterations })
+            }
             FluidPressureSolver::PressureCorrected { iterations, gradient } => {
                 Self::PressureCorrected(PressureCorrected { iterations, gradient: gradient.into() })
             }
@@ -472,6 +483,9 @@ impl From<PressureSolver> for FluidPressureSolver {
             }
             PressureSolver::PositionBased(PositionBased { iterations, softness }) => {
                 Self::PositionBased { iterations, softness }
+            }
+            PressureSolver::PressurePoisson(PressurePoisson { tolerance, max_iterations }) => {
+                Self::PressurePoisson { tolerance, max_iterations }
             }
             PressureSolver::PressureCorrected(PressureCorrected { iterations, gradient }) => {
                 Self::PressureCorrected { iterations, gradient: gradient.into() }

@@ -38,6 +38,7 @@ use crate::field::Field;
 use crate::grid::Grid;
 use crate::position_based::PositionBased;
 use crate::pressure_corrected::PressureCorrected;
+use crate::pressure_poisson::PressurePoisson;
 use crate::pressure_solver::{
     DivergenceFree, PressureSolver, largest_eigenvalue, lattice_diagonal, pressure_frequency,
 };
@@ -182,6 +183,7 @@ impl Plan {
         let incompressible = matches!(settings.pressure_solver, PressureSolver::DivergenceFree(_));
         let mut pressures = vec![0.0; if incompressible { positions.len() } else { 0 }];
         let by_positions = settings.pressure_solver.moves_apart();
+        let poisson = matches!(settings.pressure_solver, PressureSolver::PressurePoisson(_));
         let carried = settings.density.is_carried();
         let mut excesses = vec![0.0; if carried { positions.len() } else { 0 }];
         for (volume, &(first, count)) in scene.volumes.iter().zip(&volume_ids) {
@@ -229,6 +231,7 @@ impl Plan {
             boundary_depth: layer.depth,
             pressure_solver: settings.pressure_solver,
             relaxation: match by_positions {
+                true if poisson => PressurePoisson::RELAXATION,
                 true => PositionBased::RELAXATION / eigenvalue,
                 false => DivergenceFree::RELAXATION / eigenvalue,
             },

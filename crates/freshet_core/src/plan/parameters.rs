@@ -38,7 +38,7 @@ pub struct Parameters {
     pub boundary_depth: f32,
     /// How pressure is found.
     pub pressure_solver: PressureSolver,
-    /// Share of a Jacobi step that a [`DivergenceFree`] or [`PositionBased`](crate::position_based::PositionBased) solver takes; no unit.
+    /// Share of a Jacobi step that a solver takes which has such, see [`PressureSolver`]; no unit.
     pub relaxation: f32,
     /// Least diagonal `K` of a [`DivergenceFree`] solver's system, kg s2/m5 over s2: see
     /// [`lattice_diagonal`](crate::pressure_solver::lattice_diagonal).

@@ -7,6 +7,7 @@ use crate::density_form::DensityForm;
 use crate::position_based::PositionBased;
 use crate::pressure_corrected::{PressureCorrected, PressureGradient};
 use crate::pressure_force::PressureForce;
+use crate::pressure_poisson::PressurePoisson;
 use crate::pressure_solver::PressureSolver;
 use crate::scene::FluidScene;
 use crate::viscosity::ViscosityModel;
@@ -119,6 +120,9 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
                 PressureGradient::Sum => "sums",
                 PressureGradient::Difference => "differences",
             }
+        )),
+        PressureSolver::PressurePoisson(PressurePoisson { tolerance, max_iterations }) => Some(format!(
+            "pressures undo what is too dense (Poisson equation), to {tolerance} of it; at most {max_iterations} iterations"
         )),
         PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => None,
     };

@@ -1,6 +1,8 @@
 //! Stage `position_solve`: particles are moved apart where they would be too dense without pressure (`freshet_core::position_based`, `freshet_core::pressure_corrected`). An iteration is
 //! [`Multiply`], for all particles, then [`Displace`]. Neighbours are those of where particles were sorted; where they have been moved to is told by their ways from there.
 //!
+//! Where a Poisson equation says how hard they push (`freshet_core::pressure_poisson`), [`Diagonal`] comes first, then [`Relax`] so many times, and [`Displace`] once.
+//!
 //! All that differs is what is summed over pairs and what is made of the sums: a [`Term`]. [`Sweep`] goes through the cells.
 
 use std::marker::PhantomData;
@@ -13,6 +15,7 @@ use pulp::{Arch, Simd, WithSimd};
 use crate::candidates::Candidates;
 use crate::lanes::{ScaledRoot, difference, squared_length};
 use crate::particles::Particles;
+use crate::passes::projection::UNIT;
 use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
 use crate::workers::Chunk;
@@ -43,6 +46,8 @@ pub struct Inputs<'a> {
     pub diagonal: f32,
     /// Least `K`.
     pub least: f32,
+    /// Weights of a Poisson equation from kernel slopes, `-2 m A / (S H^5)`.
+    pub poisson: f32,
     /// Ways from kernel slopes, `-m A / (G H^5)`.
     pub force: f32,
     /// `rho0 / m`, 1/m3: a sample's volume times this is how many particles it stands for.
@@ -51,6 +56,9 @@ pub struct Inputs<'a> {
 
 /// What is summed over the pairs of a particle, `N` numbers, and what they come to.
 trait Term<const N: usize> {
+    /// Whether samples are among the pairs.
+    const SAMPLES: bool = true;
+
     /// Adds a pair with a particle, with the `dt^2 P` of both.
     fn add_particle<S: Simd, K: SimdKernel>(simd: S, pair: Pair<S>, push: [S::f32s; 2], sums: &mut [S::f32s; N]);
 
@@ -77,6 +85,13 @@ struct Pair<S: Simd> {
 }
 
 impl<S: Simd> Pair<S> {
+    /// `f'(q)/q` of another particle: none of the particle itself, nor of one at the same place.
+    #[inline(always)]
+    fn slope_apart<K: SimdKernel>(self, simd: S) -> S::f32s {
+        let is_apart = simd.less_than_f32s(simd.splat_f32s(1e-6), self.q);
+        simd.select_f32s(is_apart, K::slope_over_q(simd, self.q), simd.splat_f32s(0.0))
+    }
+
     /// Adds so much of `x_ab`.
     #[inline(always)]
     fn add_to(self, simd: S, strength: S::f32s, sums: &mut [S::f32s]) {
@@ -97,10 +112,10 @@ struct Sweep<'a, T, K, const N: usize> {
 }
 
 impl<T: Term<N>, K: SimdKernel, const N: usize> WithSimd for Sweep<'_, T, K, N> {
-    type Output = ();
+    type Output = T;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) -> T {
         let Self { inputs, chunk, workspace, candidates, mut term, .. } = self;
         let ([x, y, z], [wx, wy, wz], push) = (&inputs.particles.position, inputs.way, inputs.push);
         let Workspace { sticking: fluid, calm: weighted, sums, .. } = workspace;
@@ -127,7 +142,7 @@ impl<T: Term<N>, K: SimdKernel, const N: usize> WithSimd for Sweep<'_, T, K, N> 
             }
             for samples in inputs.samples {
                 let list = lists.next().unwrap_or_default();
-                if list.is_empty() {
+                if !T::SAMPLES || list.is_empty() {
                     continue;
                 }
                 let [sx, sy, sz] = &samples.position;
@@ -148,6 +163,7 @@ impl<T: Term<N>, K: SimdKernel, const N: usize> WithSimd for Sweep<'_, T, K, N> 
                 term.take(&inputs, i, i - chunk.particles.start, sums);
             }
         }
+        term
     }
 }
 
@@ -206,13 +222,13 @@ pub struct Task<'a, T> {
 }
 
 impl<'a, T> Task<'a, T> {
-    fn dispatch<K: SimdKernel, const N: usize>(self)
+    fn dispatch<K: SimdKernel, const N: usize>(self) -> T
     where
         T: Term<N>,
     {
         let Self { inputs, chunk, workspace, candidates, term } = self;
         let sweep = Sweep { inputs, chunk, workspace, candidates, term, kernel: PhantomData::<K> };
-        inputs.arch.dispatch(sweep);
+        inputs.arch.dispatch(sweep)
     }
 }
 
@@ -367,5 +383,104 @@ impl Term<8> for DisplaceByDifference<'_> {
         let more = PressureGradient::in_walls(push, pushes, around, inputs.own_density) - push;
         let moved = Vec3::new(x, y, z) + more * Vec3::new(wall_x, wall_y, wall_z);
         move_on(&mut self.way, inputs, particle, at, inputs.force * moved);
+    }
+}
+
+/// Finds the diagonal of a Poisson equation.
+pub struct Diagonal<'a> {
+    /// Densities, kg/m3, padded.
+    pub density: &'a [f32],
+    /// Density of a free surface, kg/m3.
+    pub surface: f32,
+    /// Result; zero at surfaces.
+    pub diagonal: &'a mut [f32],
+}
+
+impl WithKernel for Task<'_, Diagonal<'_>> {
+    type Output = ();
+
+    fn with<K: SimdKernel>(self, _: K) {
+        self.dispatch::<K, 4>();
+    }
+}
+
+/// `sum_b f'(q)/q` and `sum f'(q)/q x_ab`.
+impl Term<4> for Diagonal<'_> {
+    #[inline(always)]
+    fn add_particle<S: Simd, K: SimdKernel>(simd: S, pair: Pair<S>, _: [S::f32s; 2], sums: &mut [S::f32s; 4]) {
+        let slope = pair.slope_apart::<K>(simd);
+        sums[0] = simd.add_f32s(slope, sums[0]);
+        pair.add_to(simd, slope, &mut sums[1..]);
+    }
+
+    #[inline(always)]
+    fn add_sample<S: Simd, K: SimdKernel>(simd: S, pair: Pair<S>, share: S::f32s, _: S::f32s, sums: &mut [S::f32s; 4]) {
+        pair.add_to(simd, simd.mul_f32s(share, K::slope_over_q(simd, pair.q)), &mut sums[1..]);
+    }
+
+    #[inline(always)]
+    fn take(&mut self, inputs: &Inputs, particle: usize, at: usize, [slopes, x, y, z]: [f32; 4]) {
+        let own = inputs.diagonal * Vec3::new(x, y, z).length_squared();
+        let all = (inputs.poisson * slopes + own).max(inputs.least);
+        self.diagonal[at] = if self.density[particle] < self.surface { 0.0 } else { all };
+    }
+}
+
+/// A step towards the solution of a Poisson equation.
+pub struct Relax<'a> {
+    /// Densities, kg/m3, padded.
+    pub density: &'a [f32],
+    /// One over the density at rest, m3/kg.
+    pub inverse_rest_density: f32,
+    /// See [`Diagonal`], padded.
+    pub diagonal: &'a [f32],
+    /// Share of a Jacobi step.
+    pub relaxation: f32,
+    /// Share of the last step that is taken again.
+    pub momentum: f32,
+    /// What the last step came to, before momentum; then that of this.
+    pub stepped: &'a mut [f32],
+    /// Result.
+    pub next: &'a mut [f32],
+    /// Result: sum of what was left before the step, where it counts, limited to 1, in [units](UNIT): integers, so that order does not matter.
+    pub left: u64,
+}
+
+impl WithKernel for Task<'_, Relax<'_>> {
+    type Output = u64;
+
+    fn with<K: SimdKernel>(self, _: K) -> u64 {
+        self.dispatch::<K, 1>().left
+    }
+}
+
+/// `sum_b f'(q)/q P_b`.
+impl Term<1> for Relax<'_> {
+    const SAMPLES: bool = false;
+
+    #[inline(always)]
+    fn add_particle<S: Simd, K: SimdKernel>(simd: S, pair: Pair<S>, push: [S::f32s; 2], sums: &mut [S::f32s; 1]) {
+        sums[0] = simd.mul_add_f32s(pair.slope_apart::<K>(simd), push[1], sums[0]);
+    }
+
+    #[inline(always)]
+    fn add_sample<S: Simd, K: SimdKernel>(_: S, _: Pair<S>, _: S::f32s, _: S::f32s, _: &mut [S::f32s; 1]) {}
+
+    #[inline(always)]
+    fn take(&mut self, inputs: &Inputs, particle: usize, at: usize, [slopes]: [f32; 1]) {
+        let (push, diagonal) = (inputs.push[particle], self.diagonal[particle]);
+        if diagonal == 0.0 {
+            (self.stepped[at], self.next[at]) = (0.0, 0.0);
+            return;
+        }
+        let excess = self.density[particle] * self.inverse_rest_density - 1.0;
+        let left = excess - diagonal * push + inputs.poisson * slopes;
+        let free = push + self.relaxation * left / diagonal;
+        let stepped = free.max(0.0);
+        self.next[at] = (stepped + self.momentum * (stepped - self.stepped[at])).max(0.0);
+        self.stepped[at] = stepped;
+        // Where there is no pressure left to take away, a fluid that parts is as it should be.
+        let wrong = if free < 0.0 { 0.0 } else { left.abs().min(1.0) };
+        self.left += u64::from((wrong * UNIT) as u32);
     }
 }

@@ -37,7 +37,7 @@ impl CpuSolver {
             self.solve.resize(padded);
         }
         if self.plan.has(StageKind::PositionSolve) {
-            self.positions.resize(padded);
+            self.positions.resize(padded, self.plan.parameters.pressure_solver);
         }
         if self.plan.has(StageKind::Xsph) {
             self.drift.iter_mut().for_each(|values| values.resize(padded, 0.0));
@@ -118,7 +118,8 @@ impl CpuSolver {
         let (second, seconds) = match parameters.pressure_solver {
             PressureSolver::WeaklyCompressible
             | PressureSolver::PositionBased(_)
-            | PressureSolver::PressureCorrected(_) => {
+            | PressureSolver::PressureCorrected(_)
+            | PressureSolver::PressurePoisson(_) => {
                 (Second::PressureTerm(parameters.pressure_law), &mut self.pressure_term)
             }
             PressureSolver::DivergenceFree(_) => {

@@ -1,4 +1,4 @@
-//! Position-based and pressure-corrected fluids: iterations of the shipped shaders against sums over all pairs.
+//! Position-based and pressure-corrected fluids, and those by a Poisson equation: iterations of the shipped shaders against sums over all pairs.
 
 use freshet_core::prelude::*;
 use freshet_gpu::{GpuOptions, GpuSolver};
@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::common::{dam_break, random_vector, solver, solver_with, tick};
 use crate::moved::moved;
+use crate::poisson::left;
 
 fn scene(iterations: u32) -> FluidScene {
     let mut scene = dam_break(0.1);
@@ -118,6 +119,74 @@ fn particles_are_moved_as_sums_over_all_pairs_say() {
         let found = errors(&mut solver_with(&scene, GpuOptions { patch: Some(patch), ..Default::default() }));
         assert!(found.iter().any(|&error| error > TOLERANCE), "{patch:?} makes errors of {found:?} only");
     }
+}
+
+fn poisson(tolerance: f32, max_iterations: u32) -> PressureSolver {
+    PressureSolver::PressurePoisson(PressurePoisson { tolerance, max_iterations })
+}
+
+/// What pressures leave of the equation over its tolerance; the largest error of ways over the longest, or of what surfaces push or others pull over the largest pressure.
+fn poisson_errors(solver: &mut GpuSolver, tolerance: f32) -> [f64; 2] {
+    let plan = solver.plan().clone();
+    let start = stirred(&plan);
+    solver.restore(&start).unwrap();
+    let report = solver.step(&tick(0, 0.0)).unwrap();
+    assert!(report.unsolved == 0 && report.density_iterations > 2, "{report:?}");
+    assert!(report.residual > 0.0 && report.residual <= tolerance, "{report:?}");
+    let after = solver.snapshot().unwrap();
+    let ids = solver.read(Field::Id).unwrap().integers().unwrap();
+    let mut by_id = |field| solver.read(field).unwrap().sorted_by_id(&ids).scalars().unwrap();
+    let (pressure, density) = (by_id(Field::Pressure), by_id(Field::Density));
+    let dt = f64::from(DT);
+    let push = |(&p, &rho): (&f32, &f32)| dt * dt * f64::from(p) / f64::from(rho).powi(2);
+    let pushes: Vec<f64> = pressure.iter().zip(&density).map(push).collect();
+    let found = left(&plan, &start.positions, &pushes);
+    let farthest = found.ways.iter().map(|way| way.length()).fold(0.0, f64::max);
+    let hardest = pushes.iter().copied().fold(0.0, f64::max);
+    let mut worst = 0.0f64;
+    for (a, (way, &surface)) in found.ways.iter().zip(&found.surface).enumerate() {
+        let change = (after.velocities[a] - start.velocities[a]).as_dvec3() * dt;
+        // None at a surface, and none that pulls.
+        let wrong = if surface { pushes[a] } else { (-pushes[a]).max(0.0) };
+        worst = worst.max(change.distance(*way) / farthest).max(wrong / hardest);
+    }
+    [found.left / found.begun / f64::from(tolerance), worst]
+}
+
+#[test]
+fn pressures_solve_the_poisson_equation_and_move_particles_by_their_sums() {
+    let of = |mut scene: FluidScene, tolerance| {
+        scene.settings.pressure_solver = poisson(tolerance, 1000);
+        scene
+    };
+    let is_right = |[left, ways]: [f64; 2]| (0.02..1.1).contains(&left) && ways < TOLERANCE;
+    for (scene, tolerance) in [(scene(1), 2e-3), (slab(1), 2e-3), (scene(1), 0.1)] {
+        let found = poisson_errors(&mut solver(&of(scene, tolerance)), tolerance);
+        assert!(is_right(found), "to {tolerance}: {found:?}");
+    }
+    for patch in [
+        ("poisson_scale * sums_of(own_of(a), a)", "poisson_scale * 1.02 * sums_of(own_of(a), a)"),
+        ("max(own - fields::parameters.poisson_scale", "max(0.9 * own - fields::parameters.poisson_scale"),
+        ("select(all, 0.0, fields", "select(all, all, fields"),
+        ("let stepped = max(free, 0.0)", "let stepped = free"),
+    ] {
+        let scene = of(scene(1), 2e-3);
+        let found =
+            poisson_errors(&mut solver_with(&scene, GpuOptions { patch: Some(patch), ..Default::default() }), 2e-3);
+        assert!(!is_right(found), "{patch:?} makes errors of {found:?} only");
+    }
+}
+
+#[test]
+fn a_poisson_equation_that_is_not_solved_is_reported() {
+    let mut scene = scene(1);
+    scene.settings.pressure_solver = poisson(1e-4, 5);
+    let mut solver = solver(&scene);
+    solver.restore(&stirred(solver.plan())).unwrap();
+    let report = solver.step(&tick(0, 0.0)).unwrap();
+    assert!(report.unsolved == 1 && report.density_iterations == 5 && report.residual > 1e-4, "{report:?}");
+    let report = solver.step(&tick(1, 0.0)).unwrap();
+    assert!(report.unsolved == 0 && report.density_iterations == 0, "nothing has moved: {report:?}");
 }
 
 #[test]

@@ -67,7 +67,7 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 34] = [
+pub const CASES: [&Case; 35] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
@@ -81,6 +81,7 @@ pub const CASES: [&Case; 34] = [
     &cases::density_drift::CASE,
     &cases::position_based::CASE,
     &cases::pressure_corrected::CASE,
+    &cases::poisson::CASE,
     &cases::deep_column::CASE,
     &cases::deep_column::DIVERGENCE_FREE,
     &cases::calm::CASE,

@@ -16,6 +16,7 @@ pub mod hydrostatic;
 pub mod light_and_heavy;
 pub mod pinned;
 pub mod poiseuille;
+pub mod poisson;
 pub mod pool_drop;
 pub mod position_based;
 pub mod pressure_corrected;
