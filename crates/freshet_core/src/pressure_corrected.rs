@@ -20,7 +20,8 @@
 //! On the lattice both are the same, and an iteration with `c dt` is a Richardson step of the system of [`DivergenceFree`](crate::pressure_solver::DivergenceFree): waves from one particle to the next grow
 //! from `c dt = 0.64 H` on (Wendland C2 at H = 2d; 0.62 H where it was tried). Sound is as fast as [`Settings::sound_speed`](crate::scene::Settings::sound_speed) says, ten times the expected speed by default, but goes no farther in a
 //! substep than [`longest_sound`](PressureCorrected::longest_sound), 0.50 H there: water's own 1,500 m/s are out of reach at any step worth it, and stiffness is that of iterations and step, as it is with
-//! position-based fluids.
+//! position-based fluids. By sums half a metre of water, 8 particles deep, loses 1.9 % of its depth with 4 iterations in substeps of 8 ms, 0.6 % with 32, and 0.4 % in 2 ms; its pressure is 1.8 % off. In `freshet_lab stability
+//! --quick` dam breaks hold up to a Courant number of 0.20, and a column at rest is compressed by more than 5 % in all steps. By differences a dam break gains more than 5 % of energy (`pareto --quick`).
 
 use serde::{Deserialize, Serialize};
 

@@ -17,6 +17,12 @@
 //! The system is symmetric, has no positive number off its diagonal and none below zero in a row's sum: Jacobi's matrix has eigenvalues up to two at most (Gershgorin), whatever the disorder, and half a step
 //! with Nesterov's momentum, as that of `DivergenceFree`, converges. From zero pressure in every substep, until the mean of `|e - A Q|` where it counts (not at surfaces, nor where `Q = 0` and less is wanted) is
 //! the [tolerance](PressurePoisson::tolerance) of what it was, or the iterations are over. Then `v += dt a(P)` and `x += dt^2 a(P)`, by the force of every plan, walls included.
+//!
+//! As each substep begins from zero, what bears a weight is what is too dense after a substep's fall: a spring, as position-based fluids are, whatever the tolerance. Half a metre of water, 8 particles deep,
+//! loses 1.8 % of its depth in substeps of 8 ms and 0.37 % in 2 ms, with a tolerance of 0.02 as of 0.002; its pressure is 1.9 % of `rho g D` off (root mean square; 3.2 % on the GPU). All of an error `e` of
+//! a density is undone at once, at a speed of `e d/dt`: the shorter the substep, the more energy comes of it. In `freshet_lab stability --quick` no step holds, from a Courant number of 0.1 on: dam breaks
+//! gain more than 5 % of energy, and a column at rest loses a particle. Fronts of breaking dams are within 3.2 and 3.9 % of Martin & Moyce's at 20 particles of width (`dam-break --quick`), in the
+//! substeps of the plan.
 
 use serde::{Deserialize, Serialize};
 

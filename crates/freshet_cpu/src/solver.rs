@@ -545,12 +545,12 @@ impl CpuSolver {
             tally.timed("support", || self.support_stage());
         }
         let compression = tally.timed("density", || self.density_stage());
-        if self.plan.has(StageKind::PositionSolve) {
-            if let Some((solved, residual)) = tally.timed("position_solve", || self.position_solve_stage()) {
-                let iterations = tally.count(solved);
-                tally.density_iterations += iterations;
-                tally.residual = tally.residual.max(residual);
-            }
+        if self.plan.has(StageKind::PositionSolve)
+            && let Some((solved, residual)) = tally.timed("position_solve", || self.position_solve_stage())
+        {
+            let iterations = tally.count(solved);
+            tally.density_iterations += iterations;
+            tally.residual = tally.residual.max(residual);
         }
         if self.plan.has(StageKind::BodyDensity) {
             tally.timed("body_density", || self.body_density_stage());
