@@ -37,6 +37,14 @@ fn write_solve_arguments(first: bool, iterations: bool, density: bool) {
 }
 #endif
 
+#ifdef POISSON
+// Whether the next iteration of a Poisson equation is dispatched.
+fn write_iteration_arguments(iterates: bool) {
+    let count = select(0u, fields::control.live, iterates);
+    fields::set_arguments(#{ARGUMENTS_ITERATIONS}u, threads::groups_for(count));
+}
+#endif
+
 fn write_motion_arguments(moving: bool) {
     fields::set_arguments(#{ARGUMENTS_MOTION}u, threads::groups_for(select(0u, fields::control.live, moving)));
 #ifdef BODIES

@@ -10,6 +10,8 @@ const NONE: u32 = 0u;
 const DIVERGENCE: u32 = 1u;
 const BETWEEN: u32 = 2u;
 const DENSITY: u32 = 3u;
+// In that of a Poisson equation.
+const POISSON: u32 = 4u;
 
 // What is left is summed in integers, so that its mean has the same bits whatever the order. In 64 bits: a million particles
 // with all of their density left make 2^50.

@@ -52,7 +52,7 @@ struct Own {
 fn pressure_term(i: u32, density: f32) -> f32 {
     return fields::sorted_pressure(i);
 }
-#else ifdef POSITION_BASED
+#else ifdef MOVED_APART
 // What pressures do is done.
 fn pressure_term(i: u32, density: f32) -> f32 {
     return 0.0;

@@ -1,7 +1,7 @@
 // Semi-implicit Euler: v += a dt, x += v dt; other integrators are in library/integrator.wgsl. Reads the sorted copy, writes
 // the state at the same index, so that whoever draws always reads the same buffers. With XSPH particles also move with what
 // that pass found, x += (v + e) dt; those of an incompressible fluid move by the trapezoidal rule, x += (v + lead a) dt.
-// Those of a position-based one go from where they were moved to.
+// Those that were moved apart go from there.
 
 #import freshet::bindings as fields
 #import freshet::grid
@@ -56,7 +56,7 @@ fn integrate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
 #ifdef INCOMPRESSIBLE
     motion += acceleration * fields::control.lead;
 #endif
-#ifdef POSITION_BASED
+#ifdef MOVED_APART
     var position = fields::motion(a) + motion * dt;
 #else
     var position = fields::sorted_position(a) + motion * dt;

@@ -1,12 +1,17 @@
-// Particles are moved apart where they would be too dense without pressure (freshet_core::position_based): `position_begin`, then in each iteration
-// `multiply`: P_a = omega max(rho_a/rho0 - 1, 0) / (max(K_a, least) + softness), times dt^2, `displace`: x_a += a_a(P), and `follow`, which lets the others see it; then
-// `position_finish`: v += (x - x*) / dt. The b come from the bits that the density pass left for x*, where the sorted positions stay, see library/hits.wgsl.
+// Particles are moved apart where they would be too dense without pressure (freshet_core::position_based, freshet_core::pressure_corrected): `position_begin`, then in each iteration
+// `multiply`: P_a = omega max(rho_a/rho0 - 1, 0) / (max(K_a, least) + softness), times dt^2, or c^2 (rho_a - rho0) / rho0^2, `displace`: x_a += a_a(P), and `follow`, which lets the others see
+// it; then `position_finish`: v += (x - x*) / dt. Where a Poisson equation says how hard they push
+// (freshet_core::pressure_poisson), `poisson_diagonal` comes after the beginning, then so many times `poisson_relax`, solve_control.wgsl, `poisson_exchange`, and at the end `poisson_end` and `displace`.
+// The b come from the bits that the density pass left for x*, where the sorted positions stay, see library/hits.wgsl.
 
 #import freshet::bindings as fields
 #import freshet::grid
 #import freshet::hits
 #import freshet::kernels
 #import freshet::threads
+#ifdef POISSON
+#import freshet::solve
+#endif
 
 #ifdef POSITION_BEGIN
 @compute @workgroup_size(#{WORKGROUP_SIZE})
@@ -74,9 +79,14 @@ struct Own {
 }
 
 struct Sums {
-    // sum_b (P_a + P_b) F x_ab, and sum_k V_k F x_ak
+    // sum_b (P_a + P_b) F x_ab, or of differences P_b - P_a, and sum_k V_k F x_ak
     fluid: vec3<f32>,
     samples: vec3<f32>,
+#ifdef DIFFERENCES
+    // sum_b P_b W_ab, and sum_b W_ab
+    pressures: f32,
+    around: f32,
+#endif
 }
 
 fn own_of(a: u32) -> Own {
@@ -85,7 +95,15 @@ fn own_of(a: u32) -> Own {
 
 fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
     let x = grid::difference(own.position, fields::motion(b));
-    (*sums).fluid += ((own.push + fields::push(b)) * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+    let q = length(x) * own.inverse_radius;
+#ifdef DIFFERENCES
+    (*sums).fluid += ((fields::push(b) - own.push) * kernels::slope_over_q(q)) * x;
+    let shape = kernels::shape(q);
+    (*sums).pressures += shape * fields::push(b);
+    (*sums).around += shape;
+#else
+    (*sums).fluid += ((own.push + fields::push(b)) * kernels::slope_over_q(q)) * x;
+#endif
 }
 
 fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
@@ -94,9 +112,62 @@ fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
 }
 #endif
 
+#ifdef POISSON_DIAGONAL
+struct Own {
+    position: vec3<f32>,
+    inverse_radius: f32,
+}
+
+struct Sums {
+    // sum_b F, sum_b F x_ab, the same of samples with their volumes
+    slopes: f32,
+    gradient: vec3<f32>,
+    sample_gradient: vec3<f32>,
+}
+
+fn own_of(a: u32) -> Own {
+    return Own(fields::sorted_position(a), fields::parameters.inverse_support_radius);
+}
+
+fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, fields::sorted_position(b));
+    let slope = kernels::slope_over_q(length(x) * own.inverse_radius);
+    (*sums).slopes += slope;
+    (*sums).gradient += slope * x;
+}
+
+fn add_sample(own: Own, sample: fields::Sample, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, sample.position);
+    (*sums).sample_gradient += sample.weight * kernels::slope_over_q(length(x) * own.inverse_radius) * x;
+}
+#endif
+
+#ifdef POISSON_RELAX
+struct Own {
+    position: vec3<f32>,
+    inverse_radius: f32,
+}
+
+struct Sums {
+    // sum_b F P_b
+    slopes: f32,
+}
+
+fn own_of(a: u32) -> Own {
+    return Own(fields::sorted_position(a), fields::parameters.inverse_support_radius);
+}
+
+fn add_particle(own: Own, b: u32, sums: ptr<function, Sums>) {
+    let x = grid::difference(own.position, fields::sorted_position(b));
+    (*sums).slopes += kernels::slope_over_q(length(x) * own.inverse_radius) * fields::push(b);
+}
+#endif
+
 #ifndef POSITION_BEGIN
 #ifndef FOLLOW
 #ifndef POSITION_FINISH
+#ifndef POISSON_EXCHANGE
+#ifndef POISSON_END
 fn sums_of(own: Own, a: u32) -> Sums {
     // Of where it was sorted.
     let start = fields::sorted_position(a);
@@ -104,7 +175,9 @@ fn sums_of(own: Own, a: u32) -> Sums {
     let extent = grid::shape();
     let squared_radius = fields::parameters.squared_support_radius;
 #ifdef WALLS
+#ifndef POISSON_RELAX
     let wall_starts = fields::parameters.wall_starts;
+#endif
 #endif
     var sums: Sums;
     for (var row = 0u; row < 9u; row++) {
@@ -133,6 +206,7 @@ fn sums_of(own: Own, a: u32) -> Sums {
             }
         }
 #ifdef WALLS
+#ifndef POISSON_RELAX
         if ((found & hits::SAMPLES) != 0u) {
             let walls = grid::row_of(wall_starts, cells);
             for (var t = 0u; t < walls.count; t++) {
@@ -144,9 +218,12 @@ fn sums_of(own: Own, a: u32) -> Sums {
             }
         }
 #endif
+#endif
     }
     return sums;
 }
+#endif
+#endif
 #endif
 #endif
 #endif
@@ -166,10 +243,17 @@ fn multiply(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     density += fields::parameters.sample_density_scale * sums.samples;
     gradient += fields::parameters.number_density * sums.sample_gradient;
 #endif
-    let excess = max(density * fields::parameters.inverse_rest_density - 1.0, 0.0);
+    let excess = density * fields::parameters.inverse_rest_density - 1.0;
+#ifdef PRESSURE_CORRECTED
+    let way = min(fields::parameters.sound_speed * fields::control.last_substep, fields::parameters.longest_sound);
+    let stiffness = way * way * fields::parameters.inverse_rest_density;
+    // Less again where it is too thin, but none below zero in all.
+    let push = max(stiffness * excess, -fields::sum_of_pushes(a));
+#else
     let diagonal = fields::parameters.diagonal_scale * (dot(gradient, gradient) + sums.squares);
     let stiffness = max(diagonal, fields::parameters.least_diagonal) + fields::parameters.softness;
-    let push = fields::parameters.relaxation * excess / stiffness;
+    let push = fields::parameters.relaxation * max(excess, 0.0) / stiffness;
+#endif
     // Before there was a substep nothing has come from anywhere.
     fields::set_push(a, select(0.0, push, fields::control.last_substep > 0.0));
 }
@@ -186,7 +270,14 @@ fn displace(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     let sums = sums_of(own, a);
     var way = fields::parameters.fluid_force_scale * sums.fluid;
 #ifdef WALLS
+#ifdef DIFFERENCES
+    let whole = fields::parameters.fluid_density_scale * fields::parameters.inverse_rest_density;
+    // The fluid's pressure continued into the wall: PressureGradient::in_walls.
+    let mean = whole * sums.pressures / max(whole * sums.around, fields::parameters.fewest_around);
+    way += fields::parameters.sample_force_scale * max(own.push - mean, 0.0) * sums.samples;
+#else
     way += fields::parameters.sample_force_scale * own.push * sums.samples;
+#endif
 #endif
     fields::set_place(a, own.position - way);
 }
@@ -210,6 +301,67 @@ fn position_finish(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
     workgroupBarrier();
     if (local == 0u) {
         atomicMax(&fields::control.max_speed, atomicLoad(&group_speed));
+    }
+}
+#endif
+
+#ifdef POISSON_DIAGONAL
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn poisson_diagonal(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a >= fields::control.live) {
+        return;
+    }
+    let sums = sums_of(own_of(a), a);
+    let gradient = sums.gradient + fields::parameters.number_density * sums.sample_gradient;
+    let own = fields::parameters.diagonal_scale * dot(gradient, gradient);
+    let all = max(own - fields::parameters.poisson_scale * sums.slopes, fields::parameters.least_diagonal);
+    // Zero at a free surface.
+    fields::set_push_diagonal(a, select(all, 0.0, fields::density(a) < fields::parameters.surface_density));
+}
+#endif
+
+#ifdef POISSON_RELAX
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn poisson_relax(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        let diagonal = fields::push_diagonal(a);
+        if (diagonal > 0.0) {
+            let excess = fields::density(a) * fields::parameters.inverse_rest_density - 1.0;
+            let push = fields::push(a);
+            let left = excess - diagonal * push - fields::parameters.poisson_scale * sums_of(own_of(a), a).slopes;
+            let free = push + fields::parameters.relaxation * left / diagonal;
+            let stepped = max(free, 0.0);
+            let before = fields::stepped_push(a);
+            fields::set_next_push(a, stepped, max(stepped + fields::control.momentum * (stepped - before), 0.0));
+            // Where there is no pressure left to take away, a fluid that parts is as it should be.
+            solve::add_left(select(abs(left), 0.0, free < 0.0));
+        }
+    }
+    workgroupBarrier();
+    if (local == 0u) {
+        solve::publish_left();
+    }
+}
+#endif
+
+#ifdef POISSON_EXCHANGE
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn poisson_exchange(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        fields::take_next_push(a);
+    }
+}
+#endif
+
+#ifdef POISSON_END
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn poisson_end(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let a = threads::thread_index(group, local);
+    if (a < fields::control.live) {
+        fields::take_stepped_push(a);
     }
 }
 #endif

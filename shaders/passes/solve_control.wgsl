@@ -1,6 +1,6 @@
-// Decides on the GPU how many iterations the solves of a substep take: freshet_core::pressure_solver::DivergenceFree. Single threads.
+// Decides on the GPU how many iterations the solves of a substep take: freshet_core::pressure_solver::DivergenceFree, at the end freshet_core::pressure_poisson. Single threads.
 //
-// Of each solve a substep has as many iterations encoded as the last ticks needed. A solve that needs more stays open: nothing
+// Of each solve of the former a substep has as many iterations encoded as the last ticks needed. A solve that needs more stays open: nothing
 // that comes after it is dispatched, and the iterations of what was encoded for the next substep continue it. So results do not
 // depend on how many were encoded. At the end of a tick that nobody waits for, `close_solve` ends it as it is,
 // and `close_density_solve` the one that comes after it.
@@ -128,6 +128,47 @@ fn close_solve() {
 fn close_density_solve() {
     if (fields::control.solve_phase == solve::DENSITY) {
         end_density_solve(false);
+    }
+}
+#endif
+
+#ifdef POISSON_FIRST
+// A Poisson equation begins from no pressure, if there was a substep whose way it could correct.
+@compute @workgroup_size(1)
+fn poisson_first() {
+    let begins = fields::control.going != 0u && fields::control.last_substep > 0.0;
+    fields::control.solve_phase = select(solve::NONE, solve::POISSON, begins);
+    solve::start_pace();
+    solve::set_momentum();
+    arguments::write_iteration_arguments(begins);
+}
+#endif
+
+#ifdef POISSON_CONTROL
+@compute @workgroup_size(1)
+fn poisson_control() {
+    if (fields::control.solve_phase != solve::POISSON) {
+        return;
+    }
+    let left = solve::take_mean_left();
+    if (left > fields::control.last_left) {
+        fields::control.pace = 1.0;
+    }
+    fields::control.last_left = left;
+    if (fields::control.iterations == 0u) {
+        fields::control.divergence = left;
+    }
+    fields::control.iterations += 1u;
+    let begun = fields::control.divergence;
+    let converged = left <= fields::parameters.divergence * begun;
+    if (converged || fields::control.iterations >= fields::parameters.max_iterations) {
+        fields::control.density_iterations += fields::control.iterations;
+        fields::control.unsolved += select(1u, 0u, converged);
+        fields::control.residual = max(fields::control.residual, select(0.0, left / max(begun, 1e-30), begun > 0.0));
+        fields::control.solve_phase = solve::NONE;
+        arguments::write_iteration_arguments(false);
+    } else {
+        solve::set_momentum();
     }
 }
 #endif

@@ -37,6 +37,12 @@ fn begin_tick() {
     fields::control.unsolved = 0u;
     arguments::write_solve_arguments(false, false, false);
 #endif
+#ifdef POISSON
+    fields::control.density_iterations = 0u;
+    fields::control.unsolved = 0u;
+    fields::control.residual = 0.0;
+    arguments::write_iteration_arguments(false);
+#endif
     // Even a tick of no length evaluates the stages once, so that fields can be read.
     fields::control.going = 1u;
     arguments::write_arguments(true);
@@ -54,7 +60,7 @@ fn choose_substep(remaining: f32, max_speed: f32, max_acceleration: f32, drag_li
     let pressure = bitcast<f32>(atomicExchange(&fields::control.max_pressure, 0u)) * fields::parameters.rest_density;
     let stiff = fields::parameters.pressure_limit / sqrt(max(pressure, 1e-12));
     let limit = min(min(courant, fall), min(stiff, fields::parameters.steady_limit));
-#else ifdef POSITION_BASED
+#else ifdef MOVED_APART
     let way = fields::parameters.longest_way;
     let courant = way / max(max_speed, 1e-12);
     let fall = sqrt(way / max(length(fields::control.gravity), 1e-12));

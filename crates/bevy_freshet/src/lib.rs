@@ -34,7 +34,7 @@ pub mod prelude {
     pub use crate::components::scene::FluidSceneCommands;
     pub use crate::components::settings::{
         FluidDensityForm, FluidEquationOfState, FluidFidelity, FluidIntegrator, FluidKernel, FluidPressureForce,
-        FluidPressureSolver, FluidRelaxation, FluidSettings, FluidViscosityModel,
+        FluidPressureGradient, FluidPressureSolver, FluidRelaxation, FluidSettings, FluidViscosityModel,
     };
     pub use crate::components::stats::{FluidPassTime, FluidStats};
     pub use crate::components::volume::{FluidShape, FluidVolume};

@@ -146,7 +146,7 @@ impl KernelKind {
     }
 
     /// `f(q)` for `0 <= q < 1`.
-    pub(crate) fn shape(self, q: f64) -> f64 {
+    pub fn shape(self, q: f64) -> f64 {
         let p = 1.0 - q;
         match self {
             KernelKind::Gaussian => (-9.0 * q * q).exp() - (-9.0_f64).exp(),

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 use crate::error::{InvalidInput, check_range};
 use crate::kernel::Kernel;
 use crate::position_based::PositionBased;
+use crate::pressure_corrected::PressureCorrected;
+use crate::pressure_poisson::PressurePoisson;
 
 /// How a fluid's pressure is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,6 +22,10 @@ pub enum PressureSolver {
     DivergenceFree(DivergenceFree),
     /// None: particles are moved apart a fixed number of times, and that is part of their motion. Substeps as long as the flow allows.
     PositionBased(PositionBased),
+    /// From what is too dense where particles would be without it, a fixed number of times: by velocities, as part of their motion. Substeps as long as the flow allows.
+    PressureCorrected(PressureCorrected),
+    /// From the same by a Poisson equation, in as many iterations as it takes. Substeps as long as the flow allows.
+    PressurePoisson(PressurePoisson),
 }
 
 impl PressureSolver {
@@ -29,7 +35,14 @@ impl PressureSolver {
             Self::WeaklyCompressible => "weakly compressible",
             Self::DivergenceFree(_) => "divergence-free",
             Self::PositionBased(_) => "position-based",
+            Self::PressureCorrected(_) => "pressure-corrected",
+            Self::PressurePoisson(_) => "pressure Poisson",
         }
+    }
+
+    /// Whether particles go where they would be without pressure and are moved apart there, in stage `position_solve`: see [`position_based`](crate::position_based).
+    pub fn moves_apart(self) -> bool {
+        matches!(self, Self::PositionBased(_) | Self::PressureCorrected(_) | Self::PressurePoisson(_))
     }
 }
 

@@ -308,8 +308,8 @@ pub struct Settings {
     /// neighbours. It takes the more time the wider it may be. Weakly compressible fluids only. See
     /// [`variable_support`](crate::variable_support).
     pub widest_support: f32,
-    /// Lets particles settle before the start; none starts as volumes are sampled. Not with bodies, whose places are not known then, nor with the
-    /// position-based solver or walls that are not in the sums.
+    /// Lets particles settle before the start; none starts as volumes are sampled. Not with bodies, whose places are not known then, nor with
+    /// solvers that move particles apart (position-based, pressure-corrected, pressure Poisson) or walls that are not in the sums.
     pub relaxation: Option<Relaxation>,
     /// How the material's dynamic viscosity acts; none leaves it out of the plan.
     pub viscosity_model: Option<ViscosityModel>,
@@ -389,10 +389,12 @@ impl Settings {
             PressureSolver::WeaklyCompressible => return Ok(()),
             PressureSolver::DivergenceFree(solver) => solver.validate(),
             PressureSolver::PositionBased(solver) => solver.validate(),
+            PressureSolver::PressureCorrected(solver) => solver.validate(),
+            PressureSolver::PressurePoisson(solver) => solver.validate(),
         }
         .map_err(|error| error.inside("pressure_solver"))?;
-        if matches!(self.pressure_solver, PressureSolver::PositionBased(_)) {
-            let with = "with the position-based settings.pressure_solver";
+        if self.pressure_solver.moves_apart() {
+            let with = format!("with the {} settings.pressure_solver", self.pressure_solver.name());
             if self.redo_substeps {
                 return Err(InvalidInput::new("redo_substeps", true, format_args!("false, {with}")));
             }

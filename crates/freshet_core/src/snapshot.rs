@@ -138,7 +138,9 @@ impl Snapshot {
         let count = self.ids.len();
         let is_known = match parameters.pressure_solver {
             PressureSolver::DivergenceFree(_) => self.pressures.len() == count,
-            PressureSolver::PositionBased(_) => self.pressures.is_empty() && self.excesses.is_empty(),
+            PressureSolver::PositionBased(_)
+            | PressureSolver::PressureCorrected(_)
+            | PressureSolver::PressurePoisson(_) => self.pressures.is_empty() && self.excesses.is_empty(),
             PressureSolver::WeaklyCompressible => {
                 parameters.density.is_carried() && self.excesses.len() == count && self.pressures.is_empty()
             }

@@ -273,9 +273,12 @@ pub struct StepReport {
     /// without.
     #[serde(default)]
     pub divergence_iterations: u32,
-    /// Iterations of density solves likewise.
+    /// Iterations of density solves likewise, and of [Poisson solves](crate::pressure_poisson).
     #[serde(default)]
     pub density_iterations: u32,
+    /// What [Poisson solves](crate::pressure_poisson) of this tick left at most of what they began with, no unit; zero for plans without.
+    #[serde(default)]
+    pub residual: f32,
     /// Solves that ended at their most iterations before they were as exact as asked for.
     #[serde(default)]
     pub unsolved: u32,

@@ -51,11 +51,14 @@ impl Work {
                 let of_density = DISTANCE + RELATIVE + shape + 2 + width(3);
                 match parameters.pressure_solver {
                     // p / rho^2 and the compression.
-                    PressureSolver::WeaklyCompressible => {
+                    PressureSolver::WeaklyCompressible
+                    | PressureSolver::PositionBased(_)
+                    | PressureSolver::PressureCorrected(_)
+                    | PressureSolver::PressurePoisson(_) => {
                         Self { per_particle: of_pressure(parameters) + 2 + 7, per_pair: of_density }
                     }
                     // The system's diagonal and the compression.
-                    PressureSolver::DivergenceFree(_) | PressureSolver::PositionBased(_) => {
+                    PressureSolver::DivergenceFree(_) => {
                         Self { per_particle: 9 + 7, per_pair: of_density + slope + ADD_VECTOR + 4 }
                     }
                 }
@@ -100,6 +103,10 @@ impl Work {
                 Self { per_particle: ADD_VECTOR + 2 * 6, per_pair }
             }
             StageKind::Integrate => Self { per_particle: 2 * ADD_VECTOR, per_pair: 0 },
+            // Of one iteration of a Poisson equation: a sum of pressures, and the next.
+            StageKind::PositionSolve if matches!(parameters.pressure_solver, PressureSolver::PressurePoisson(_)) => {
+                Self { per_particle: 14, per_pair: DISTANCE + RELATIVE + slope + 2 }
+            }
             // Of one iteration: sums as those of an incompressible fluid's densities, and as that of pressures; the move.
             StageKind::PositionSolve => {
                 let sums = DISTANCE + RELATIVE + shape + 2 + slope + ADD_VECTOR + 4;

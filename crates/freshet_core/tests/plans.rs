@@ -923,6 +923,72 @@ fn the_position_based_solver_is_refused_with_what_it_does_not_do() {
 }
 
 #[test]
+fn the_pressure_corrected_solver_is_refused_with_what_it_does_not_do() {
+    let with = |change: fn(&mut FluidScene)| {
+        let mut scene = dam_break();
+        scene.settings.pressure_solver = PressureSolver::PressureCorrected(PressureCorrected::default());
+        change(&mut scene);
+        Plan::new(&scene).map_err(|error| error.to_string())
+    };
+    let plan = with(|_| ()).unwrap();
+    assert!(plan.has(StageKind::PositionSolve) && !plan.has(StageKind::DivergenceSolve));
+    assert!(plan.to_string().contains("pressure-corrected, 4 iterations, gradient by sum"), "{plan}");
+    fn solver(scene: &mut FluidScene, iterations: u32) {
+        let solver = PressureCorrected { iterations, ..PressureCorrected::default() };
+        scene.settings.pressure_solver = PressureSolver::PressureCorrected(solver);
+    }
+    let refused: [(fn(&mut FluidScene), [&str; 2]); 8] = [
+        (|scene| solver(scene, 0), ["settings.pressure_solver.iterations: 0", "1 to 1000"]),
+        (|scene| solver(scene, 1001), ["settings.pressure_solver.iterations: 1001", "1 to 1000"]),
+        (|scene| scene.settings.xsph = 0.5, ["settings.xsph: 0.5", "0, with the pressure-corrected"]),
+        (
+            |scene| scene.settings.relaxation = Some(Relaxation::default()),
+            ["settings.relaxation: Some", "none, with the pressure-corrected"],
+        ),
+        (|scene| scene.settings.redo_substeps = true, ["settings.redo_substeps", "pressure-corrected"]),
+        (|scene| scene.settings.density = DensityForm::Continuity, ["settings.density", "weakly compressible"]),
+        (|scene| scene.bodies = vec![cork()], ["settings.pressure_solver: pressure-corrected", "1 bodies"]),
+        (
+            |scene| scene.boundaries[0].friction = Friction { at_rest: 0.5, sliding: 0.25 },
+            ["settings.pressure_solver: pressure-corrected", "boundaries[0] has friction"],
+        ),
+    ];
+    for (change, words) in refused {
+        let message = with(change).unwrap_err();
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    }
+}
+
+#[test]
+fn the_poisson_solver_is_refused_with_what_it_does_not_do() {
+    let with = |change: fn(&mut FluidScene)| {
+        let mut scene = dam_break();
+        scene.settings.pressure_solver = PressureSolver::PressurePoisson(PressurePoisson::default());
+        change(&mut scene);
+        Plan::new(&scene).map_err(|error| error.to_string())
+    };
+    let plan = with(|_| ()).unwrap();
+    assert!(plan.has(StageKind::PositionSolve) && !plan.has(StageKind::DivergenceSolve));
+    assert!(plan.to_string().contains("pressure Poisson, to 0.02"), "{plan}");
+    fn solver(scene: &mut FluidScene, tolerance: f32, max_iterations: u32) {
+        scene.settings.pressure_solver = PressureSolver::PressurePoisson(PressurePoisson { tolerance, max_iterations });
+    }
+    let refused: [(fn(&mut FluidScene), [&str; 2]); 7] = [
+        (|scene| solver(scene, 0.0, 60), ["settings.pressure_solver.tolerance: 0", "0.0001 to 0.5"]),
+        (|scene| solver(scene, f32::NAN, 60), ["settings.pressure_solver.tolerance: NaN", "0.0001 to 0.5"]),
+        (|scene| solver(scene, 0.1, 1), ["settings.pressure_solver.max_iterations: 1", "2 to 1000"]),
+        (|scene| scene.settings.xsph = 0.5, ["settings.xsph: 0.5", "0, with the pressure Poisson"]),
+        (|scene| scene.settings.redo_substeps = true, ["settings.redo_substeps", "pressure Poisson"]),
+        (|scene| scene.settings.density = DensityForm::Continuity, ["settings.density", "weakly compressible"]),
+        (|scene| scene.bodies = vec![cork()], ["settings.pressure_solver: pressure Poisson", "1 bodies"]),
+    ];
+    for (change, words) in refused {
+        let message = with(change).unwrap_err();
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    }
+}
+
+#[test]
 fn the_plan_says_that_a_tensile_correction_without_tension_does_little() {
     let notes = |correction: f32, clamp: bool| {
         let mut scene = dam_break();

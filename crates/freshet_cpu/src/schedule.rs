@@ -2,6 +2,7 @@
 
 use freshet_core::kernel::KernelKind;
 use freshet_core::plan::{Plan, StageKind};
+use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::{Schedule, ScheduledBuffer, ScheduledPass, SolverError};
 
 /// The passes of a plan, without buffers (their sizes follow the particles).
@@ -32,6 +33,10 @@ fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
         // Position read, density and pressure term or diagonal written.
         // Carried, besides: velocity read, excess read and written.
         StageKind::Density => 12 + 8 + width + if plan.parameters.density.is_carried() { 12 + 8 } else { 0 },
+        // Of one iteration of a Poisson equation: position, way, push, density, diagonal and last step read, push and step written.
+        StageKind::PositionSolve if matches!(plan.parameters.pressure_solver, PressureSolver::PressurePoisson(_)) => {
+            12 + 12 + 16 + 8
+        }
         // Of one iteration: position read, density and diagonal written; position and push read, position written; and the sum of pushes.
         StageKind::PositionSolve => 12 + 8 + 16 + 12 + 8,
         // Position read, width written.

@@ -171,6 +171,7 @@ struct Tally {
     max_speed: f32,
     divergence_iterations: u32,
     density_iterations: u32,
+    residual: f32,
     unsolved: u32,
     redone: u32,
     dropped: Dropped,
@@ -500,6 +501,7 @@ impl CpuSolver {
         report.max_speed = tally.max_speed;
         report.divergence_iterations = tally.divergence_iterations;
         report.density_iterations = tally.density_iterations;
+        report.residual = tally.residual;
         report.unsolved = tally.unsolved;
         report.redone = tally.redone;
         report.removed = tally.dropped.removed;
@@ -543,8 +545,12 @@ impl CpuSolver {
             tally.timed("support", || self.support_stage());
         }
         let compression = tally.timed("density", || self.density_stage());
-        if let PressureSolver::PositionBased(solver) = self.plan.parameters.pressure_solver {
-            tally.timed("position_solve", || self.position_solve_stage(&solver));
+        if self.plan.has(StageKind::PositionSolve)
+            && let Some((solved, residual)) = tally.timed("position_solve", || self.position_solve_stage())
+        {
+            let iterations = tally.count(solved);
+            tally.density_iterations += iterations;
+            tally.residual = tally.residual.max(residual);
         }
         if self.plan.has(StageKind::BodyDensity) {
             tally.timed("body_density", || self.body_density_stage());
@@ -558,9 +564,9 @@ impl CpuSolver {
         }
         self.loads.clear();
         if self.plan.has(StageKind::BodyLoad) {
-            tally.timed("body_load", || match self.plan.parameters.pressure_solver {
-                PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => self.body_load_stage(),
-                PressureSolver::DivergenceFree(_) => self.body_touch_stage(),
+            tally.timed("body_load", || match self.plan.has(StageKind::DivergenceSolve) {
+                false => self.body_load_stage(),
+                true => self.body_touch_stage(),
             });
             self.add_drags();
             if tally.substeps == 0 || self.bodies.iter().any(|body| body.swollen < 1.0) {

@@ -79,7 +79,9 @@ fn run(scene: &FluidScene, bodies: &[BodyInput], duration: f32, ticks: u64, thre
         let p = &plan.parameters;
         let limit = match p.pressure_solver {
             PressureSolver::WeaklyCompressible => p.substep_limit(fastest, acceleration),
-            PressureSolver::PositionBased(_) => p.position_based_limit(fastest, p.gravity.length()),
+            PressureSolver::PositionBased(_)
+            | PressureSolver::PressureCorrected(_)
+            | PressureSolver::PressurePoisson(_) => p.position_based_limit(fastest, p.gravity.length()),
             PressureSolver::DivergenceFree(_) => {
                 let pressure = largest(&mut end.pressures.iter().copied()) * p.rest_density;
                 p.incompressible_limit(fastest, p.gravity.length(), pressure)

@@ -4,6 +4,8 @@ use freshet_core::density_form::DensityForm;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::near_pressure;
 use freshet_core::plan::Plan;
+use freshet_core::pressure_corrected::PressureGradient;
+use freshet_core::pressure_poisson::PressurePoisson;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::step::StepInput;
 use freshet_core::tensile_correction::inverse_shape;
@@ -46,7 +48,11 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
     // Of other plans nobody reads it.
     let solver = match p.pressure_solver {
         PressureSolver::DivergenceFree(solver) => solver,
-        PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => DivergenceFree::default(),
+        // A Poisson equation ends by the share that is left.
+        PressureSolver::PressurePoisson(PressurePoisson { tolerance, max_iterations }) => {
+            DivergenceFree { divergence: tolerance, max_iterations, ..DivergenceFree::default() }
+        }
+        _ => DivergenceFree::default(),
     };
     let strength = f64::from(p.wall_strength);
     let (wall_strength, wall_damping) = match p.wall_method {
@@ -149,6 +155,10 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         wall_bounce: penalty.bounce,
         wall_slip: penalty.slip,
         wall_way: penalty.one_way.unwrap_or_default(),
+        longest_sound: p.longest_sound,
+        poisson_scale: (2.0 * mass * slope_scale / f64::from(p.density_calibration)) as f32,
+        surface_density: PressurePoisson::SURFACE * p.rest_density,
+        fewest_around: PressureGradient::FEWEST * (1.0 - (mass / rest * density * p.kernel.shape(0.0)) as f32),
         ..Default::default()
     }
 }

@@ -1,6 +1,7 @@
 //! From the plan's stages to the dispatches of a substep: which entry point, which buffers, how many groups.
 
 use freshet_core::plan::{Plan, StageKind};
+use freshet_core::pressure_corrected::{PressureCorrected, PressureGradient};
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::ScheduledPass;
@@ -114,12 +115,23 @@ pub(crate) fn incompressible(plan: &Plan) -> bool {
     matches!(plan.parameters.pressure_solver, PressureSolver::DivergenceFree(_))
 }
 
-/// How often particles are moved apart in a substep.
+/// How many iterations of a substep move particles apart, or are encoded for that.
 pub(crate) fn position_iterations(plan: &Plan) -> u32 {
     match plan.parameters.pressure_solver {
         PressureSolver::PositionBased(solver) => solver.iterations,
+        PressureSolver::PressureCorrected(solver) => solver.iterations,
+        // What is encoded beyond those that are needed dispatches nothing.
+        PressureSolver::PressurePoisson(solver) => solver.max_iterations,
         PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => 0,
     }
+}
+
+/// Whether particles are moved by differences of pressures.
+pub(crate) fn by_differences(plan: &Plan) -> bool {
+    matches!(
+        plan.parameters.pressure_solver,
+        PressureSolver::PressureCorrected(PressureCorrected { gradient: PressureGradient::Difference, .. })
+    )
 }
 
 /// Whether there are bodies that answer to the solves of an incompressible fluid.
@@ -358,6 +370,32 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 (B::SortedVelocities, Write),
                 (B::Densities, Write),
             ];
+            if let PressureSolver::PressurePoisson(_) = plan.parameters.pressure_solver {
+                let around = [
+                    (B::SortedPositions, Read),
+                    (B::CellStarts, Read),
+                    (B::Hits, Read),
+                    (B::Densities, Read),
+                    (B::Places, Write),
+                ];
+                let places = [(B::Places, Write)];
+                let diagonal = pass("poisson_diagonal", &with(samples, around.to_vec(), &[(B::Samples, Read)]));
+                let iterates = |pass| Pass { iterates: true, ..pass };
+                let of_iteration = |name, uses: &[(Binding, Access)]| {
+                    iterates(Pass { dispatch: Dispatch::Indirect(Arguments::Iterations), ..pass(name, uses) })
+                };
+                return vec![
+                    pass("position_begin", &begin),
+                    diagonal,
+                    control("poisson_first"),
+                    of_iteration("poisson_relax", &around),
+                    iterates(control("poisson_control")),
+                    of_iteration("poisson_exchange", &places),
+                    pass("poisson_end", &places),
+                    pass("displace", &uses),
+                    pass("position_finish", &finish),
+                ];
+            }
             let iteration = [
                 pass("multiply", &uses),
                 pass("displace", &uses),

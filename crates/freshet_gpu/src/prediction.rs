@@ -33,7 +33,9 @@ fn first_limit(parameters: &Parameters) -> f32 {
     let (speed, gravity) = (parameters.expected_speed, parameters.gravity.length());
     match parameters.pressure_solver {
         PressureSolver::WeaklyCompressible => parameters.substep_limit(speed, gravity),
-        PressureSolver::PositionBased(_) => parameters.position_based_limit(speed, gravity),
+        PressureSolver::PositionBased(_)
+        | PressureSolver::PressureCorrected(_)
+        | PressureSolver::PressurePoisson(_) => parameters.position_based_limit(speed, gravity),
         // What is that fast has fallen from where the pressure was as much.
         PressureSolver::DivergenceFree(_) => parameters.incompressible_limit(speed, gravity, 0.5 * speed * speed),
     }

@@ -56,6 +56,7 @@ impl Arrival {
             max_speed: control.fastest,
             divergence_iterations: control.divergence_iterations,
             density_iterations: control.density_iterations,
+            residual: control.residual,
             unsolved: control.unsolved,
             // It refuses plans that ask for it.
             redone: 0,

@@ -8,6 +8,7 @@ use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
 use freshet_core::plan::{Plan, StageKind};
 use freshet_core::pressure_force::PressureForce;
+use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::SolverError;
 use freshet_core::variable_support::EVALUATIONS;
 use freshet_core::wall_method::{Plane, Reflection, WallMethod};
@@ -20,8 +21,8 @@ use crate::fine_grid::CELLS_PER_RADIUS;
 use crate::layout::bindings_module;
 use crate::options::GpuOptions;
 use crate::passes::{
-    Arguments, Pass, history_words, incompressible, moving_walls, needs_velocities, past_words, sample_arms,
-    solve_words,
+    Arguments, Pass, by_differences, history_words, incompressible, moving_walls, needs_velocities, past_words,
+    sample_arms, solve_words,
 };
 
 /// Cells that a workgroup of the prefix sum handles.
@@ -98,7 +99,10 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("PERIODIC", plan.grid.periodic.any()),
         ("HISTORIES", history_words(plan) > 0),
         ("PASTS", past_words(plan) > 0),
-        ("POSITION_BASED", plan.has(StageKind::PositionSolve)),
+        ("PRESSURE_CORRECTED", matches!(parameters.pressure_solver, PressureSolver::PressureCorrected(_))),
+        ("POISSON", matches!(parameters.pressure_solver, PressureSolver::PressurePoisson(_))),
+        ("DIFFERENCES", by_differences(plan)),
+        ("MOVED_APART", plan.has(StageKind::PositionSolve)),
         ("LAST_SUBSTEP", parameters.density.is_carried() || plan.has(StageKind::PositionSolve)),
         ("SPEEDS_OF_STATE", !incompressible(plan) && !plan.has(StageKind::PositionSolve)),
         ("WALL_LENNARD_JONES", parameters.wall_method == WallMethod::LennardJones),

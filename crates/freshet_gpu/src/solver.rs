@@ -291,10 +291,10 @@ impl GpuSolver {
     /// The iterations to encode for each of the two solves of a substep: those that need more take those of the next.
     pub(crate) fn iterations_to_encode(&self) -> [u32; 2] {
         match self.plan.parameters.pressure_solver {
-            PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => [0; 2],
             PressureSolver::DivergenceFree(solver) => {
                 iterations_to_encode(self.known.iterations).map(|count| count.min(solver.max_iterations))
             }
+            _ => [0; 2],
         }
     }
 

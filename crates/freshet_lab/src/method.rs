@@ -3,7 +3,9 @@
 use clap::ValueEnum;
 use freshet_core::density_form::DensityForm;
 use freshet_core::position_based::PositionBased;
+use freshet_core::pressure_corrected::PressureCorrected;
 use freshet_core::pressure_force::PressureForce;
+use freshet_core::pressure_poisson::PressurePoisson;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::scene::FluidScene;
 use freshet_core::viscosity::ViscosityModel;
@@ -20,6 +22,10 @@ pub enum Method {
     Continuity,
     /// Particles moved apart, with the default number of iterations.
     PositionBased,
+    /// Pressures corrected by what velocities compress, with the default number of iterations.
+    PressureCorrected,
+    /// Pressures by a Poisson equation, with its default tolerance.
+    Poisson,
     /// DFSPH with its default tolerances.
     DivergenceFree,
     /// DFSPH without any viscosity but water's own, `mu` = 1e-3 Pa s.
@@ -37,6 +43,8 @@ impl Method {
             Self::Mueller => "WCSPH, Mueller's force",
             Self::Continuity => "WCSPH, continuity",
             Self::PositionBased => "position-based",
+            Self::PressureCorrected => "pressure-corrected",
+            Self::Poisson => "pressure Poisson",
             Self::DivergenceFree => "DFSPH",
             Self::WaterAlone => "DFSPH, water's viscosity alone",
         }
@@ -49,6 +57,8 @@ impl Method {
             Self::Mueller => "_mueller",
             Self::Continuity => "_continuity",
             Self::PositionBased => "_position_based",
+            Self::PressureCorrected => "_pressure_corrected",
+            Self::Poisson => "_poisson",
             Self::DivergenceFree => "_dfsph",
             Self::WaterAlone => "_water",
         }
@@ -71,6 +81,8 @@ impl Method {
         scene.settings.pressure_solver = match self {
             Self::WeaklyCompressible | Self::Mueller | Self::Continuity => PressureSolver::WeaklyCompressible,
             Self::PositionBased => PressureSolver::PositionBased(PositionBased::default()),
+            Self::PressureCorrected => PressureSolver::PressureCorrected(PressureCorrected::default()),
+            Self::Poisson => PressureSolver::PressurePoisson(PressurePoisson::default()),
             Self::DivergenceFree | Self::WaterAlone => PressureSolver::DivergenceFree(DivergenceFree::default()),
         };
         if self == Self::Mueller {

@@ -261,6 +261,23 @@ fn stages_of_a_position_based_fluid_agree() {
 }
 
 #[test]
+fn stages_of_a_pressure_corrected_fluid_agree() {
+    for gradient in PressureGradient::ALL {
+        compare_without_bodies(|settings| {
+            let solver = PressureCorrected { gradient, ..PressureCorrected::default() };
+            settings.pressure_solver = PressureSolver::PressureCorrected(solver);
+        });
+    }
+}
+
+#[test]
+fn stages_of_a_fluid_by_a_poisson_equation_agree() {
+    compare_without_bodies(|settings| {
+        settings.pressure_solver = PressureSolver::PressurePoisson(PressurePoisson::default());
+    });
+}
+
+#[test]
 fn stages_with_a_correction_of_tensions_agree() {
     compare_without_bodies(|settings| {
         settings.clamp_negative_pressure = false;

@@ -125,6 +125,18 @@ fn position_based_water_has_the_pressure_of_its_weight_and_sinks_in() -> Result<
 }
 
 #[test]
+fn pressure_corrected_water_has_the_pressure_of_its_weight_and_sinks_in() -> Result<(), LabError> {
+    assert_passes("pressure-corrected", Backend::Cpu)?;
+    assert_passes("pressure-corrected", Backend::Gpu)
+}
+
+#[test]
+fn water_by_a_poisson_equation_has_the_pressure_of_its_weight() -> Result<(), LabError> {
+    assert_passes("poisson", Backend::Cpu)?;
+    assert_passes("poisson", Backend::Gpu)
+}
+
+#[test]
 fn water_without_artificial_viscosity_comes_to_rest() -> Result<(), LabError> {
     assert_passes("calm-dfsph", Backend::Cpu)?;
     assert_passes("calm-dfsph", Backend::Gpu)

@@ -8,7 +8,9 @@ use freshet_core::fidelity;
 use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
 use freshet_core::position_based::PositionBased;
+use freshet_core::pressure_corrected::{PressureCorrected, PressureGradient};
 use freshet_core::pressure_force::PressureForce;
+use freshet_core::pressure_poisson::PressurePoisson;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::relaxation::Relaxation;
 use freshet_core::scene::{Settings, Support};
@@ -376,6 +378,35 @@ impl From<PressureForce> for FluidPressureForce {
     }
 }
 
+/// How a pressure-corrected fluid finds the gradient of its pressures; formulas stand at [`PressureGradient`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FluidPressureGradient {
+    /// From sums of pairs' pressures.
+    #[default]
+    Sum,
+    /// From their differences.
+    Difference,
+}
+
+impl From<FluidPressureGradient> for PressureGradient {
+    fn from(gradient: FluidPressureGradient) -> Self {
+        match gradient {
+            FluidPressureGradient::Sum => Self::Sum,
+            FluidPressureGradient::Difference => Self::Difference,
+        }
+    }
+}
+
+impl From<PressureGradient> for FluidPressureGradient {
+    fn from(gradient: PressureGradient) -> Self {
+        match gradient {
+            PressureGradient::Sum => Self::Sum,
+            PressureGradient::Difference => Self::Difference,
+        }
+    }
+}
+
 /// How pressure is found; methods and sources stand at [`PressureSolver`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Default, Clone, Debug, PartialEq)]
@@ -400,6 +431,20 @@ pub enum FluidPressureSolver {
         /// See [`PositionBased::softness`], 0 to 10.
         softness: f32,
     },
+    /// From what is too dense where particles would be without pressure, a fixed number of times in each of few substeps: as soft as its iterations. Without bodies.
+    PressureCorrected {
+        /// Iterations of a substep, 1 to 1000.
+        iterations: u32,
+        /// By which gradient particles are moved.
+        gradient: FluidPressureGradient,
+    },
+    /// From the same by a Poisson equation (MPS), in as many iterations as it takes. Without bodies.
+    PressurePoisson {
+        /// What iterations leave of what they begin with, 1e-4 to 0.5.
+        tolerance: f32,
+        /// Most iterations of a substep, 2 to 1000.
+        max_iterations: u32,
+    },
 }
 
 impl FluidPressureSolver {
@@ -419,6 +464,12 @@ impl From<FluidPressureSolver> for PressureSolver {
             FluidPressureSolver::PositionBased { iterations, softness } => {
                 Self::PositionBased(PositionBased { iterations, softness })
             }
+            FluidPressureSolver::PressurePoisson { tolerance, max_iterations } => {
+                Self::PressurePoisson(PressurePoisson { tolerance, max_iterations })
+            }
+            FluidPressureSolver::PressureCorrected { iterations, gradient } => {
+                Self::PressureCorrected(PressureCorrected { iterations, gradient: gradient.into() })
+            }
         }
     }
 }
@@ -432,6 +483,12 @@ impl From<PressureSolver> for FluidPressureSolver {
             }
             PressureSolver::PositionBased(PositionBased { iterations, softness }) => {
                 Self::PositionBased { iterations, softness }
+            }
+            PressureSolver::PressurePoisson(PressurePoisson { tolerance, max_iterations }) => {
+                Self::PressurePoisson { tolerance, max_iterations }
+            }
+            PressureSolver::PressureCorrected(PressureCorrected { iterations, gradient }) => {
+                Self::PressureCorrected { iterations, gradient: gradient.into() }
             }
         }
     }

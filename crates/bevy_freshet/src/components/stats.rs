@@ -38,6 +38,8 @@ pub struct FluidStats {
     pub max_speed: f32,
     /// Iterations of the tick's pressure solves, of velocities and of positions; zero for a weakly compressible fluid.
     pub iterations: [u32; 2],
+    /// What the tick's Poisson solves left at most of what they began with; zero for other fluids.
+    pub residual: f32,
     /// Pressure solves so far that ended at their most iterations.
     pub unsolved: u64,
     /// Substeps so far that turned out too long and were made again: see [`Settings::redo_substeps`](freshet_core::scene::Settings::redo_substeps).

@@ -92,6 +92,7 @@ fn take_report(
     stats.max_compression = report.max_compression;
     stats.max_speed = report.max_speed;
     stats.iterations = [report.divergence_iterations, report.density_iterations];
+    stats.residual = report.residual;
     stats.unsolved += u64::from(report.unsolved);
     stats.redone += u64::from(report.redone);
     stats.removed += u64::from(report.removed);

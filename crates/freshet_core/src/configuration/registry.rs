@@ -7,7 +7,9 @@ use crate::equation_of_state::EquationOfState;
 use crate::integrator::Integrator;
 use crate::kernel::KernelKind;
 use crate::position_based::PositionBased;
+use crate::pressure_corrected::{PressureCorrected, PressureGradient};
 use crate::pressure_force::PressureForce;
+use crate::pressure_poisson::PressurePoisson;
 use crate::pressure_solver::{DivergenceFree, PressureSolver};
 use crate::scene::{FluidScene, Support};
 use crate::wall_method::{Penalty, SpringDamper, WallMethod};
@@ -32,6 +34,16 @@ fn divergence_free(scene: &mut FluidScene, tolerance: f32) {
 fn position_based(scene: &mut FluidScene, iterations: u32) {
     scene.settings.pressure_solver =
         PressureSolver::PositionBased(PositionBased { iterations, ..PositionBased::default() });
+}
+
+/// Pressure-corrected SPH of so many iterations a substep.
+fn pressure_corrected(scene: &mut FluidScene, iterations: u32, gradient: PressureGradient) {
+    scene.settings.pressure_solver = PressureSolver::PressureCorrected(PressureCorrected { iterations, gradient });
+}
+
+/// A Poisson equation solved to so much of what it begins with.
+fn poisson(scene: &mut FluidScene, tolerance: f32, max_iterations: u32) {
+    scene.settings.pressure_solver = PressureSolver::PressurePoisson(PressurePoisson { tolerance, max_iterations });
 }
 
 /// A speed of sound of so many times the expected speed.
@@ -307,6 +319,41 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         },
         "stiffer by shorter steps",
         "four times the substeps in fast flows, none the more in slow ones",
+    ),
+    of(
+        Solver,
+        "pressure-corrected",
+        |scene, _| pressure_corrected(scene, 4, PressureGradient::Sum),
+        "comparison with Bao et al. 2009: pressures from what velocities compress, without a system of equations",
+        "stiffness is that of iterations and step: deep water sinks in",
+    ),
+    of(
+        Solver,
+        "pressure-corrected-16",
+        |scene, _| pressure_corrected(scene, 16, PressureGradient::Sum),
+        "the same, stiffer",
+        "four times the iterations, still a spring",
+    ),
+    of(
+        Solver,
+        "pressure-corrected-difference",
+        |scene, _| pressure_corrected(scene, 4, PressureGradient::Difference),
+        "comparison with Pirovano 2011, whose gradient it is: exact for an even pressure",
+        "it keeps no momentum: dam breaks gain energy, and water stands too high, with too much pressure at floors",
+    ),
+    of(
+        Solver,
+        "mps",
+        |scene, _| poisson(scene, 0.02, 60),
+        "comparison with Koshizuka & Oka 1996: pressures by a Poisson equation",
+        "a spring whatever the tolerance, as each substep begins from zero; short steps add energy",
+    ),
+    of(
+        Solver,
+        "mps-fine",
+        |scene, _| poisson(scene, 0.002, 300),
+        "the same, solved ten times as exactly",
+        "twice the time, and as soft",
     ),
     of(
         Density,

@@ -40,18 +40,19 @@ pub(super) fn check_quasi_fluid(scene: &FluidScene) -> Result<(), InvalidInput> 
     Err(InvalidInput::new(format_args!("bodies[{index}].sampling"), "QuasiFluid", allowed))
 }
 
-/// Refuses the position-based solver beside what acts on fluid, or is acted on, by pressures in the course of a substep.
-pub(super) fn check_position_based(scene: &FluidScene) -> Result<(), InvalidInput> {
+/// Refuses solvers that move particles apart beside what acts on fluid, or is acted on, by pressures in the course of a substep.
+pub(super) fn check_moved_apart(scene: &FluidScene) -> Result<(), InvalidInput> {
     let solver = scene.settings.pressure_solver;
     let held = scene.boundaries.iter().position(|boundary| boundary.friction.is_some());
-    let reason = match (solver, held) {
-        (PressureSolver::PositionBased(_), _) if !scene.bodies.is_empty() => {
+    let reason = match held {
+        _ if !solver.moves_apart() => return Ok(()),
+        _ if !scene.bodies.is_empty() => {
             format!("the scene has {} bodies, which it does not push", scene.bodies.len())
         }
-        (PressureSolver::PositionBased(_), Some(index)) => {
+        Some(index) => {
             format!("boundaries[{index}] has friction, by forces that it does not have")
         }
-        _ => return Ok(()),
+        None => return Ok(()),
     };
     Err(InvalidInput::new("settings.pressure_solver", solver.name(), format_args!("another one, as {reason}")))
 }

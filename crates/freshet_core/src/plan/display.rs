@@ -56,6 +56,29 @@ impl fmt::Display for Plan {
                 p.viscous_factor,
                 p.position_based_limit(0.0, p.gravity.length())
             )?,
+            PressureSolver::PressureCorrected(solver) => writeln!(
+                f,
+                "  pressure-corrected, {} iterations, gradient by {}, sound {:.3} m/s but at most {:.3} m a substep; alpha {}; step factors {} {}; first limit {:.3e} s",
+                solver.iterations,
+                solver.gradient.name(),
+                p.sound_speed,
+                p.longest_sound,
+                p.artificial_viscosity,
+                p.courant_factor,
+                p.viscous_factor,
+                p.position_based_limit(0.0, p.gravity.length())
+            )?,
+            PressureSolver::PressurePoisson(solver) => writeln!(
+                f,
+                "  pressure Poisson, to {} of what it begins with in at most {} iterations; alpha {} with {:.3} m/s; step factors {} {}; first limit {:.3e} s",
+                solver.tolerance,
+                solver.max_iterations,
+                p.artificial_viscosity,
+                p.sound_speed,
+                p.courant_factor,
+                p.viscous_factor,
+                p.position_based_limit(0.0, p.gravity.length())
+            )?,
             PressureSolver::DivergenceFree(_) => writeln!(
                 f,
                 "  incompressible, relaxation {:.3}; alpha {} with {:.3} m/s; step factors {} {}; first limit {:.3e} s",

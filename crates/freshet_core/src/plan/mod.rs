@@ -22,8 +22,8 @@ pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_v
 pub use self::stages::{Stage, StageKind};
 
 use self::checks::{
-    check_bounds, check_carried_density, check_driven, check_friction, check_particles_within, check_periods,
-    check_position_based, check_precision, check_quasi_fluid, check_relaxation, check_wall_method, max_particles,
+    check_bounds, check_carried_density, check_driven, check_friction, check_moved_apart, check_particles_within,
+    check_periods, check_precision, check_quasi_fluid, check_relaxation, check_wall_method, max_particles,
 };
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
@@ -37,6 +37,8 @@ use crate::error::{InvalidInput, check_range};
 use crate::field::Field;
 use crate::grid::Grid;
 use crate::position_based::PositionBased;
+use crate::pressure_corrected::PressureCorrected;
+use crate::pressure_poisson::PressurePoisson;
 use crate::pressure_solver::{
     DivergenceFree, PressureSolver, largest_eigenvalue, lattice_diagonal, pressure_frequency,
 };
@@ -117,7 +119,7 @@ impl Plan {
         check_driven(scene)?;
         check_quasi_fluid(scene)?;
         check_carried_density(scene)?;
-        check_position_based(scene)?;
+        check_moved_apart(scene)?;
         check_relaxation(scene)?;
         check_friction(scene)?;
         check_wall_method(scene)?;
@@ -180,7 +182,8 @@ impl Plan {
 
         let incompressible = matches!(settings.pressure_solver, PressureSolver::DivergenceFree(_));
         let mut pressures = vec![0.0; if incompressible { positions.len() } else { 0 }];
-        let by_positions = matches!(settings.pressure_solver, PressureSolver::PositionBased(_));
+        let by_positions = settings.pressure_solver.moves_apart();
+        let poisson = matches!(settings.pressure_solver, PressureSolver::PressurePoisson(_));
         let carried = settings.density.is_carried();
         let mut excesses = vec![0.0; if carried { positions.len() } else { 0 }];
         for (volume, &(first, count)) in scene.volumes.iter().zip(&volume_ids) {
@@ -228,13 +231,18 @@ impl Plan {
             boundary_depth: layer.depth,
             pressure_solver: settings.pressure_solver,
             relaxation: match by_positions {
+                true if poisson => PressurePoisson::RELAXATION,
                 true => PositionBased::RELAXATION / eigenvalue,
                 false => DivergenceFree::RELAXATION / eigenvalue,
             },
             least_diagonal: DivergenceFree::LEAST_DIAGONAL * diagonal as f32,
             softness: match settings.pressure_solver {
                 PressureSolver::PositionBased(solver) => solver.softness * diagonal as f32,
-                PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => 0.0,
+                _ => 0.0,
+            },
+            longest_sound: match settings.pressure_solver {
+                PressureSolver::PressureCorrected(_) => PressureCorrected::longest_sound(&kernel, spacing),
+                _ => 0.0,
             },
             pressure_frequency,
             density: settings.density,

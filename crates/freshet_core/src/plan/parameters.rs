@@ -38,13 +38,16 @@ pub struct Parameters {
     pub boundary_depth: f32,
     /// How pressure is found.
     pub pressure_solver: PressureSolver,
-    /// Share of a Jacobi step that a [`DivergenceFree`] or [`PositionBased`](crate::position_based::PositionBased) solver takes; no unit.
+    /// Share of a Jacobi step that a solver takes which has such, see [`PressureSolver`]; no unit.
     pub relaxation: f32,
     /// Least diagonal `K` of a [`DivergenceFree`] solver's system, kg s2/m5 over s2: see
     /// [`lattice_diagonal`](crate::pressure_solver::lattice_diagonal).
     pub least_diagonal: f32,
     /// What a position-based solver adds to `K`, likewise; zero for others.
     pub softness: f32,
+    /// How far sound of a pressure-corrected fluid goes in a substep at most, m, see
+    /// [`longest_sound`](crate::pressure_corrected::PressureCorrected::longest_sound); zero for others.
+    pub longest_sound: f32,
     /// Frequency of particles under pressure, see [`pressure_frequency`](crate::pressure_solver::pressure_frequency); no unit.
     pub pressure_frequency: f32,
     /// How densities are found.
@@ -100,7 +103,9 @@ impl Parameters {
     /// Whether a plan's fluid is found by the same method as another's, so that it can go on from the length of the other's last substep: what
     /// another method did in it means nothing. For solvers.
     pub fn goes_on_from(&self, earlier: &Self) -> bool {
-        discriminant(&self.pressure_solver) == discriminant(&earlier.pressure_solver)
+        let (this, other) = (self.pressure_solver, earlier.pressure_solver);
+        // Those that move particles apart leave the same: places and velocities without pressure.
+        (discriminant(&this) == discriminant(&other) || this.moves_apart() && other.moves_apart())
             && self.density.is_carried() == earlier.density.is_carried()
     }
 

@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::sampling::PlannedBody;
 use crate::density_form::DensityForm;
 use crate::position_based::PositionBased;
+use crate::pressure_corrected::{PressureCorrected, PressureGradient};
 use crate::pressure_force::PressureForce;
+use crate::pressure_poisson::PressurePoisson;
 use crate::pressure_solver::PressureSolver;
 use crate::scene::FluidScene;
 use crate::viscosity::ViscosityModel;
@@ -105,11 +107,23 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         );
     }
     let incompressible = match scene.settings.pressure_solver {
-        PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => None,
         PressureSolver::DivergenceFree(solver) => Some(solver),
+        _ => None,
     };
     let by_positions = match scene.settings.pressure_solver {
-        PressureSolver::PositionBased(solver) => Some(solver),
+        PressureSolver::PositionBased(PositionBased { iterations, .. }) => {
+            Some(format!("the fluid is moved apart {iterations} times, and velocities with it (position-based)"))
+        }
+        PressureSolver::PressureCorrected(PressureCorrected { iterations, gradient }) => Some(format!(
+            "pressures and velocities are corrected {iterations} times, by {} of pressures (pressure-corrected)",
+            match gradient {
+                PressureGradient::Sum => "sums",
+                PressureGradient::Difference => "differences",
+            }
+        )),
+        PressureSolver::PressurePoisson(PressurePoisson { tolerance, max_iterations }) => Some(format!(
+            "pressures undo what is too dense (Poisson equation), to {tolerance} of it; at most {max_iterations} iterations"
+        )),
         PressureSolver::WeaklyCompressible | PressureSolver::DivergenceFree(_) => None,
     };
     let method = scene.settings.wall_method;
@@ -132,9 +146,8 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         (Some(_), _) => "densities, and what each pressure changes of them",
     };
     add(StageKind::Density, &format!("{density}; {others}"));
-    if let Some(PositionBased { iterations, .. }) = by_positions {
-        let what = format!("the fluid is moved apart {iterations} times, and velocities with it (position-based)");
-        add(StageKind::PositionSolve, &what);
+    if let Some(what) = &by_positions {
+        add(StageKind::PositionSolve, what);
     }
     if bodies.iter().any(|body| !body.own_densities.is_empty()) {
         add(StageKind::BodyDensity, "bodies are sampled by quasi-fluid, which has densities and pressures of its own");

@@ -17,7 +17,9 @@ pub fn limit(
     let speed = bodies.iter().map(MovingBody::speed).fold(maxima.speed_squared.sqrt(), f32::max);
     let limit = match parameters.pressure_solver {
         PressureSolver::WeaklyCompressible => parameters.substep_limit(speed, maxima.acceleration_squared.sqrt()),
-        PressureSolver::PositionBased(_) => parameters.position_based_limit(speed, gravity.length()),
+        PressureSolver::PositionBased(_)
+        | PressureSolver::PressureCorrected(_)
+        | PressureSolver::PressurePoisson(_) => parameters.position_based_limit(speed, gravity.length()),
         PressureSolver::DivergenceFree(_) => {
             let pressure = maxima.pressure_term * parameters.rest_density;
             parameters.incompressible_limit(speed, gravity.length(), pressure)

@@ -28,7 +28,7 @@ pub(super) struct PressureSolve {
 }
 
 /// Nesterov's momentum, started again when a step made things worse (O'Donoghue & Candes 2015).
-struct Pace {
+pub(super) struct Pace {
     t: f32,
     /// What the iteration before left.
     last: f32,
@@ -42,7 +42,7 @@ impl Default for Pace {
 
 impl Pace {
     /// The momentum of the next step.
-    fn momentum(&mut self) -> f32 {
+    pub fn momentum(&mut self) -> f32 {
         let next = 0.5 * (1.0 + (1.0 + 4.0 * self.t * self.t).sqrt());
         let momentum = (self.t - 1.0) / next;
         self.t = next;
@@ -50,7 +50,7 @@ impl Pace {
     }
 
     /// Hears what is left.
-    fn hear(&mut self, left: f32) {
+    pub fn hear(&mut self, left: f32) {
         if left > self.last {
             self.t = 1.0;
         }
@@ -245,6 +245,6 @@ impl CpuSolver {
 }
 
 /// The mean of so many.
-fn mean(sum: u64, count: usize) -> f32 {
+pub(super) fn mean(sum: u64, count: usize) -> f32 {
     (sum as f64 / f64::from(UNIT) / count.max(1) as f64) as f32
 }

@@ -37,7 +37,7 @@ impl CpuSolver {
             self.solve.resize(padded);
         }
         if self.plan.has(StageKind::PositionSolve) {
-            self.positions.resize(padded);
+            self.positions.resize(padded, self.plan.parameters.pressure_solver);
         }
         if self.plan.has(StageKind::Xsph) {
             self.drift.iter_mut().for_each(|values| values.resize(padded, 0.0));
@@ -116,7 +116,10 @@ impl CpuSolver {
         let parameters = &self.plan.parameters;
         let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
         let (second, seconds) = match parameters.pressure_solver {
-            PressureSolver::WeaklyCompressible | PressureSolver::PositionBased(_) => {
+            PressureSolver::WeaklyCompressible
+            | PressureSolver::PositionBased(_)
+            | PressureSolver::PressureCorrected(_)
+            | PressureSolver::PressurePoisson(_) => {
                 (Second::PressureTerm(parameters.pressure_law), &mut self.pressure_term)
             }
             PressureSolver::DivergenceFree(_) => {

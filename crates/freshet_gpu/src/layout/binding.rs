@@ -343,6 +343,8 @@ fn sample_arm(k: u32) -> SampleArm {
                 "fn place(i: u32) -> vec3<f32> { return places[i].place; }
 fn push(i: u32) -> f32 { return places[i].push; }
 fn sum_of_pushes(i: u32) -> f32 { return places[i].sum; }
+fn stepped_push(i: u32) -> f32 { return places[i].stepped; }
+fn push_diagonal(i: u32) -> f32 { return places[i].diagonal; }
 fn place_own_row(i: u32) -> u32 { return places[i].own_row; }
 "
             }
@@ -550,11 +552,21 @@ fn set_sorted_history(i: u32, word: u32, value: f32) { histories[history_place(1
             }
             Binding::Widths => "fn set_width(i: u32, value: f32) { widths[i] = value; }\n",
             Binding::Places => {
-                "fn begin_place(i: u32, x: vec3<f32>, hits_there: u32) { places[i] = PlaceRecord(x, 0.0, 0.0, hits_there, 0u, 0u); }
+                "fn begin_place(i: u32, x: vec3<f32>, hits_there: u32) { places[i] = PlaceRecord(x, 0.0, 0.0, hits_there, 0.0, 0.0); }
 fn set_place(i: u32, x: vec3<f32>) { places[i].place = x; }
 fn set_push(i: u32, value: f32) {
     places[i].push = value;
     places[i].sum += value;
+}
+fn set_push_diagonal(i: u32, value: f32) { places[i].diagonal = value; }
+fn set_next_push(i: u32, stepped: f32, next: f32) {
+    places[i].stepped = stepped;
+    places[i].sum = next;
+}
+fn take_next_push(i: u32) { places[i].push = places[i].sum; }
+fn take_stepped_push(i: u32) {
+    places[i].push = places[i].stepped;
+    places[i].sum = places[i].stepped;
 }
 "
             }

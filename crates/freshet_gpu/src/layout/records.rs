@@ -179,6 +179,14 @@ wgsl_struct! {
         wall_way: Vec3,
         /// Share of the speed along a wall that stays.
         wall_slip: f32,
+        /// How far sound of a pressure-corrected fluid goes in a substep at most, m.
+        longest_sound: f32,
+        /// The least that neighbours count for in the mean of their pressures, relative density.
+        fewest_around: f32,
+        /// 2 m A / (S H^5): weights of a Poisson equation from kernel slopes, with the other sign.
+        poisson_scale: f32,
+        /// Density of a free surface, kg/m3.
+        surface_density: f32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.
@@ -265,8 +273,8 @@ wgsl_struct! {
         lead: f32,
         /// Those of the removed that were not finite.
         not_finite: Atomic,
-        /// Unused.
-        pad_b: u32,
+        /// What Poisson solves of this tick left at most of what they began with.
+        residual: f32,
     }
 
     /// What a tick is told.
@@ -375,14 +383,14 @@ wgsl_struct! {
         place: Vec3,
         /// `dt^2 P` of an iteration.
         push: f32,
-        /// Sum of these.
+        /// Sum of these; of a Poisson equation that of the next.
         sum: f32,
         /// Neighbours in its own row, as the density pass left them.
         own_row: u32,
-        /// Unused.
-        pad_a: u32,
-        /// Unused.
-        pad_b: u32,
+        /// Of a Poisson equation: what the last step came to, before momentum.
+        stepped: f32,
+        /// Its diagonal, zero at a free surface.
+        diagonal: f32,
     }
 
     /// What of a particle sticks to a body.

@@ -16,6 +16,8 @@ mod lowering;
 #[path = "../../../freshet_cpu/tests/common/position_based.rs"]
 mod moved;
 mod pipelined;
+#[path = "../../../freshet_cpu/tests/common/poisson.rs"]
+mod poisson;
 mod position_based;
 mod quasi_fluid;
 mod reconfigure;

@@ -33,7 +33,7 @@ pub struct StabilityArgs {
     #[command(flatten)]
     pub threads: ThreadOption,
     /// Solver options to try [default: all; quick: tait]; allowed: tait, linear, unclamped, near-pressure, tensile-correction, morris-viscosity, xsph,
-    /// variable-support, continuity, position-based, tensile-correction, dfsph. What stability.csv in the folder holds of the others stays in it and in the map.
+    /// variable-support, continuity, position-based, pressure-corrected, poisson, tensile-correction, dfsph. What stability.csv in the folder holds of the others stays in it and in the map.
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = option)]
     pub options: Vec<SolverOption>,
 }

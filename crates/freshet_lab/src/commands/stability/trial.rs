@@ -93,6 +93,10 @@ pub enum SolverOption {
     Continuity,
     /// Particles moved apart, with the default number of iterations, tried on the CPU only. Its number is that of [`DivergenceFree`](Self::DivergenceFree), without a limit of pressure.
     PositionBased,
+    /// Pressures corrected by what velocities compress ([`pressure_corrected`](freshet_core::pressure_corrected)), the same.
+    PressureCorrected,
+    /// Pressures by a Poisson equation ([`pressure_poisson`](freshet_core::pressure_poisson)), the same.
+    Poisson,
     /// Divergence-free SPH with its default tolerances, tried on the CPU only. Its number is the way of the fastest particle in a
     /// step over the spacing, `v dt / d`; steps are limited by the pressure, too, as in every plan: in water at rest nothing goes any
     /// way.
@@ -102,7 +106,7 @@ pub enum SolverOption {
 impl SolverOption {
     /// All of them, the plan's default first. [`redo_substeps`](freshet_core::scene::Settings::redo_substeps) is none of them: it
     /// shortens the very step whose length is asked for.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Tait,
         Self::Linear,
         Self::Tension,
@@ -113,6 +117,8 @@ impl SolverOption {
         Self::VariableSupport,
         Self::Continuity,
         Self::PositionBased,
+        Self::PressureCorrected,
+        Self::Poisson,
         Self::DivergenceFree,
     ];
 
@@ -129,6 +135,8 @@ impl SolverOption {
             Self::VariableSupport => "variable support",
             Self::Continuity => "continuity",
             Self::PositionBased => "position-based",
+            Self::PressureCorrected => "pressure-corrected",
+            Self::Poisson => "poisson",
             Self::DivergenceFree => "DFSPH",
         }
     }
@@ -140,7 +148,7 @@ impl SolverOption {
 
     /// Whether a speed of sound plays any part.
     pub fn has_sound(self) -> bool {
-        !matches!(self, Self::DivergenceFree | Self::PositionBased)
+        !matches!(self, Self::DivergenceFree | Self::PositionBased | Self::PressureCorrected | Self::Poisson)
     }
 }
 
@@ -220,6 +228,8 @@ impl Configuration {
         match self.option {
             SolverOption::DivergenceFree => scene = Method::DivergenceFree.on(scene),
             SolverOption::PositionBased => scene = Method::PositionBased.on(scene),
+            SolverOption::PressureCorrected => scene = Method::PressureCorrected.on(scene),
+            SolverOption::Poisson => scene = Method::Poisson.on(scene),
             _ => {}
         }
         if self.option == SolverOption::Morris {

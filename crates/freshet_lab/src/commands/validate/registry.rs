@@ -82,6 +82,8 @@ pub const CASES: [&Case; 35] = [
     &cases::hydrostatic::DIVERGENCE_FREE,
     &cases::density_drift::CASE,
     &cases::position_based::CASE,
+    &cases::pressure_corrected::CASE,
+    &cases::poisson::CASE,
     &cases::deep_column::CASE,
     &cases::deep_column::DIVERGENCE_FREE,
     &cases::calm::CASE,

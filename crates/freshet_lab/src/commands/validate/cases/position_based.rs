@@ -42,30 +42,56 @@ const TRIED: [(u32, f64); 3] = [(4, TICK), (32, TICK), (4, TICK / 4.0)];
 const END: f64 = 4.0;
 const LATE: f64 = 1.0;
 /// Duration of a tick, s: shorter than any limit of the substep.
-const TICK: f64 = 1.0 / 120.0;
+pub(super) const TICK: f64 = 1.0 / 120.0;
 /// Most of its depth that the default may lose, over the particles of depth: a guard (2.3, 4.3 and 9.7 % were measured at 8, 12 and 20).
 const SUNK: f64 = 0.006;
 /// Most that a cube with 32 iterations, or steps of a quarter, may lose of what the default does.
 const SHARE: f64 = 0.34;
 
 /// What came of a cube.
-struct Rest {
-    pressure: PressureProfile,
+pub(super) struct Rest {
+    pub pressure: PressureProfile,
     /// Share of its depth by which it has sunk in.
-    sunk: f64,
-    account: Account,
-    particles: usize,
+    pub sunk: f64,
+    pub account: Account,
+    pub particles: usize,
 }
 
-fn rest(
+impl Rest {
+    /// Root mean square of the pressure's error over that of the whole depth.
+    pub fn error(&self) -> f64 {
+        let whole = hydrostatics::pressure(1000.0, GRAVITY, DEPTH);
+        self.pressure.deviation(weight_above).unwrap_or(f64::NAN) / whole
+    }
+
+    /// Its pressures, by how much of the weight is above.
+    pub fn trace(&self, name: String) -> Trace {
+        let whole = hydrostatics::pressure(1000.0, GRAVITY, DEPTH);
+        let point =
+            |(height, pressure): (f64, f64)| (1.0 - height / DEPTH, pressure / whole, weight_above(height) / whole);
+        Trace { name, points: self.pressure.points().map(point).collect() }
+    }
+
+    /// A sentence about it.
+    pub fn remark(&self, name: &str) -> String {
+        let (lost, off) = (100.0 * self.sunk, 100.0 * self.error());
+        format!("{name}: {lost:.2} % of the depth lost, pressure {off:.2} % off")
+    }
+}
+
+fn weight_above(height: f64) -> f64 {
+    hydrostatics::pressure(1000.0, GRAVITY, DEPTH - height)
+}
+
+/// A cube at rest by a solver in ticks of so many seconds.
+pub(super) fn rest(
     job: &Job,
     resolution: u32,
-    (iterations, tick): (u32, f64),
+    (solver, tick): (PressureSolver, f64),
     done: &mut dyn FnMut(f64),
 ) -> Result<Rest, LabError> {
     let mut scene = scene_of(Container::Walls, DEPTH as f32, (DEPTH / f64::from(resolution)) as f32)?;
-    scene.settings.pressure_solver =
-        PressureSolver::PositionBased(PositionBased { iterations, ..PositionBased::default() });
+    scene.settings.pressure_solver = solver;
     let plan = Plan::new(&scene)?;
     let (particles, support) = (plan.positions.len(), f64::from(plan.parameters.support_radius));
     let mut drive = Drive::open(job.backend, plan, job.threads.count(), Vec::new())?;
@@ -93,20 +119,14 @@ fn rest(
 }
 
 fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level, LabError> {
-    let whole = hydrostatics::pressure(1000.0, GRAVITY, DEPTH);
-    let reference = |height: f64| hydrostatics::pressure(1000.0, GRAVITY, DEPTH - height);
     let mut found = Vec::new();
     for (index, tried) in TRIED.into_iter().enumerate() {
         let mut done = |part: f64| progress.at((index as f64 + part) / TRIED.len() as f64);
-        found.push((tried, rest(job, resolution, tried, &mut done)?));
+        let solver = PositionBased { iterations: tried.0, ..PositionBased::default() };
+        let tried_so = (PressureSolver::PositionBased(solver), tried.1);
+        found.push((tried, rest(job, resolution, tried_so, &mut done)?));
     }
-    let off = |rest: &Rest| rest.pressure.deviation(reference).unwrap_or(f64::NAN) / whole;
     let name = |(iterations, tick): (u32, f64)| format!("{iterations} iterations, ticks of {:.1} ms", 1e3 * tick);
-    let point = |(height, pressure): (f64, f64)| (1.0 - height / DEPTH, pressure / whole, reference(height) / whole);
-    let trace = |(tried, rest): &((u32, f64), Rest)| Trace {
-        name: name(*tried),
-        points: rest.pressure.points().map(point).collect(),
-    };
     let default = &found[0].1;
     let mut checks = vec![
         Check::new(
@@ -115,27 +135,19 @@ fn simulate(job: &Job, resolution: u32, progress: &mut Progress) -> Result<Level
             "%",
             Bound::AtMost(100.0 * SUNK * f64::from(resolution)),
         ),
-        Check::new("RMS of the pressure by default", 100.0 * off(default), "%", Bound::AtMost(10.0)),
+        Check::new("RMS of the pressure by default", 100.0 * default.error(), "%", Bound::AtMost(10.0)),
     ];
     for (tried, rest) in &found[1..] {
         let what = format!("depth lost with {}, over that by default", name(*tried));
         checks.push(Check::new(what, rest.sunk / default.sunk, "", Bound::AtMost(SHARE)));
     }
-    let remark = |(tried, rest): &((u32, f64), Rest)| {
-        format!(
-            "{}: {:.2} % of the depth lost, pressure {:.2} % off",
-            name(*tried),
-            100.0 * rest.sunk,
-            100.0 * off(rest)
-        )
-    };
     Ok(Level {
         resolution,
         particles: default.particles,
-        error: off(&found[1].1),
-        traces: found.iter().map(trace).collect(),
+        error: found[1].1.error(),
+        traces: found.iter().map(|(tried, rest)| rest.trace(name(*tried))).collect(),
         checks,
-        remarks: found.iter().map(remark).collect(),
+        remarks: found.iter().map(|(tried, rest)| rest.remark(&name(*tried))).collect(),
         account: default.account.clone(),
     })
 }
