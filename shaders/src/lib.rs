@@ -84,6 +84,8 @@ pub mod passes {
         POSITION_SOLVE = "position_solve.wgsl",
         /// Acceleration.
         ACCELERATION = "acceleration.wgsl",
+        /// Density and pressure of walls' samples.
+        WALL_DENSITY = "wall_density.wgsl",
         /// Forces of walls that push by themselves.
         WALL_FORCE = "wall_force.wgsl",
         /// Fluid that sticks to bodies.

@@ -35,11 +35,13 @@ pub(crate) enum Arguments {
     Pushes,
     /// A group for each body in an iteration of a divergence solve.
     Answers,
+    /// A thread for each sample of a wall.
+    WallSamples,
 }
 
 impl Arguments {
     /// Number of indirect dispatches; the arguments of drawing come after them.
-    pub const COUNT: u32 = 11;
+    pub const COUNT: u32 = 12;
 
     /// Offset in bytes.
     pub fn offset(self) -> u64 {
@@ -342,6 +344,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(solves, uses, &[(B::Solves, Write)]);
             let uses = with(true, uses, &[(B::Accelerations, Write), (B::Hits, Read)]);
             let uses = with(plan.has(StageKind::Support), uses, &[(B::Widths, Read)]);
+            let uses = with(plan.has(StageKind::WallDensity), uses, &[(B::WallDensities, Read)]);
             vec![with_words(3, pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses))]
         }
         StageKind::PositionSolve => {
@@ -379,6 +382,12 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 (B::SortedPositions, Read),
                 (B::Samples, Write),
             ],
+        )],
+        StageKind::WallDensity => vec![pass(
+            "wall_density",
+            passes::WALL_DENSITY,
+            Arguments::WallSamples,
+            &[(B::SortedPositions, Read), (B::CellStarts, Read), (B::Samples, Read), (B::WallDensities, Write)],
         )],
         StageKind::WallForce => {
             let uses = with(true, neighbours.to_vec(), &[(B::Samples, Read), (B::SortedVelocities, Read)]);

@@ -60,6 +60,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("ARGUMENTS_DENSITY", Arguments::Density as u32);
     number("ARGUMENTS_PUSHES", Arguments::Pushes as u32);
     number("ARGUMENTS_ANSWERS", Arguments::Answers as u32);
+    number("ARGUMENTS_WALL_SAMPLES", Arguments::WallSamples as u32);
     number("ARGUMENTS_DRAW", 3 * Arguments::COUNT);
     number("SOLVE_WORDS", solve_words(plan));
     number("HISTORY_WORDS", history_words(plan) as u32);
@@ -94,6 +95,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("INCOMPRESSIBLE", incompressible(plan)),
         ("SAMPLE_ARMS", sample_arms(plan)),
         ("QUASI_FLUID", plan.has(StageKind::BodyDensity)),
+        ("QUASI_FLUID_WALLS", plan.has(StageKind::WallDensity)),
         ("STICKING_BODIES", plan.has(StageKind::BodyDrag)),
         ("PERIODIC", plan.grid.periodic.any()),
         ("HISTORIES", history_words(plan) > 0),

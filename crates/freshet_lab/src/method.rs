@@ -7,6 +7,7 @@ use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::scene::FluidScene;
 use freshet_core::viscosity::ViscosityModel;
+use freshet_core::wall_method::{QuasiFluid, WallMethod};
 
 /// Value of `--method`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, ValueEnum)]
@@ -18,6 +19,8 @@ pub enum Method {
     Mueller,
     /// The same as the default with densities that particles carry.
     Continuity,
+    /// The same as the default between walls of quasi-fluid.
+    QuasiFluidWalls,
     /// Particles moved apart, with the default number of iterations.
     PositionBased,
     /// DFSPH with its default tolerances.
@@ -36,6 +39,7 @@ impl Method {
             Self::WeaklyCompressible => "WCSPH",
             Self::Mueller => "WCSPH, Mueller's force",
             Self::Continuity => "WCSPH, continuity",
+            Self::QuasiFluidWalls => "WCSPH, quasi-fluid walls",
             Self::PositionBased => "position-based",
             Self::DivergenceFree => "DFSPH",
             Self::WaterAlone => "DFSPH, water's viscosity alone",
@@ -48,6 +52,7 @@ impl Method {
             Self::WeaklyCompressible => "",
             Self::Mueller => "_mueller",
             Self::Continuity => "_continuity",
+            Self::QuasiFluidWalls => "_quasi_fluid_walls",
             Self::PositionBased => "_position_based",
             Self::DivergenceFree => "_dfsph",
             Self::WaterAlone => "_water",
@@ -56,7 +61,7 @@ impl Method {
 
     /// Whether pressure follows from density.
     pub fn is_weakly_compressible(self) -> bool {
-        matches!(self, Self::WeaklyCompressible | Self::Mueller | Self::Continuity)
+        matches!(self, Self::WeaklyCompressible | Self::Mueller | Self::Continuity | Self::QuasiFluidWalls)
     }
 
     /// The option that asks for it, with a space before; nothing for the default.
@@ -69,7 +74,9 @@ impl Method {
     /// The scene, simulated so.
     pub fn on(self, mut scene: FluidScene) -> FluidScene {
         scene.settings.pressure_solver = match self {
-            Self::WeaklyCompressible | Self::Mueller | Self::Continuity => PressureSolver::WeaklyCompressible,
+            Self::WeaklyCompressible | Self::Mueller | Self::Continuity | Self::QuasiFluidWalls => {
+                PressureSolver::WeaklyCompressible
+            }
             Self::PositionBased => PressureSolver::PositionBased(PositionBased::default()),
             Self::DivergenceFree | Self::WaterAlone => PressureSolver::DivergenceFree(DivergenceFree::default()),
         };
@@ -78,6 +85,9 @@ impl Method {
         }
         if self == Self::Continuity {
             scene.settings.density = DensityForm::Continuity;
+        }
+        if self == Self::QuasiFluidWalls {
+            scene.settings.wall_method = WallMethod::QuasiFluid(QuasiFluid::Adapted);
         }
         if self == Self::WaterAlone {
             scene.settings.artificial_viscosity = 0.0;

@@ -9,8 +9,9 @@ use crate::kernel::KernelKind;
 use crate::position_based::PositionBased;
 use crate::pressure_force::PressureForce;
 use crate::pressure_solver::{DivergenceFree, PressureSolver};
+use crate::relaxation::Relaxation;
 use crate::scene::{FluidScene, Support};
-use crate::wall_method::{Penalty, SpringDamper, WallMethod};
+use crate::wall_method::{Penalty, QuasiFluid, SpringDamper, WallMethod};
 
 const fn of(
     family: Family,
@@ -273,6 +274,23 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         |scene, _| scene.settings.density = DensityForm::AdaptedContinuity,
         "the same, carried",
         "with one mass it is continuity: the same pass",
+    ),
+    of(
+        Walls,
+        "quasi-fluid-walls",
+        |scene, _| scene.settings.wall_method = WallMethod::QuasiFluid(QuasiFluid::Adapted),
+        "walls that fluid meets as it meets itself (Pirovano 2011)",
+        "three times the samples, whose densities are summed in each substep",
+    ),
+    of(
+        Walls,
+        "quasi-fluid-walls-plain",
+        |scene, _| {
+            scene.settings.wall_method = WallMethod::QuasiFluid(QuasiFluid::PLAIN);
+            scene.settings.relaxation = Some(Relaxation::default());
+        },
+        "comparison with the form that is not adapted: walls twice as dense as the fluid",
+        "fluid stands off the walls, and is thrown off them where it has not settled before",
     ),
     of(
         Walls,

@@ -80,11 +80,15 @@ pub(super) fn check_friction(scene: &FluidScene) -> Result<(), InvalidInput> {
 /// Refuses boundaries that have what the walls' method does not.
 pub(super) fn check_wall_method(scene: &FluidScene) -> Result<(), InvalidInput> {
     let method = scene.settings.wall_method;
-    if method.is_in_sums() {
+    if method == WallMethod::VolumeWeights {
         return Ok(());
     }
     let with = format!("with a settings.wall_method of {}", method.name());
-    if scene.settings.relaxation.is_some() {
+    if matches!(method, WallMethod::QuasiFluid(_)) && scene.settings.widest_support != 1.0 {
+        let widest = scene.settings.widest_support;
+        return Err(InvalidInput::new("settings.widest_support", widest, format_args!("1, {with}")));
+    }
+    if scene.settings.relaxation.is_some() && !method.is_in_sums() {
         let allowed = format!("none, {with}: particles settle by the sums of densities");
         return Err(InvalidInput::new("settings.relaxation", "Some", allowed));
     }
@@ -106,13 +110,13 @@ pub(super) fn check_wall_method(scene: &FluidScene) -> Result<(), InvalidInput> 
             let allowed = format!("{allowed}, with a settings.wall_method of {}", method.name());
             Err(InvalidInput::new(format_args!("boundaries[{index}].{field}"), value, allowed))
         };
-        if boundary.velocity != Vec3::ZERO {
+        if boundary.velocity != Vec3::ZERO && !method.is_in_sums() {
             return refused("velocity", &boundary.velocity, "zero");
         }
         if boundary.friction.is_some() && !method.has_friction() {
             return refused("friction.at_rest", &boundary.friction.at_rest, "0");
         }
-        if method.needs_faces() && has_two_sides(boundary) {
+        if (method.needs_faces() || method.is_in_sums()) && has_two_sides(boundary) {
             return refused("shape.fluid", &"Both", "Inside or Outside");
         }
     }

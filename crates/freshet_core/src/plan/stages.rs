@@ -26,6 +26,8 @@ pub enum StageKind {
     PositionSolve,
     /// Density and pressure of the bodies' samples.
     BodyDensity,
+    /// Density and pressure of the walls' samples.
+    WallDensity,
     /// Acceleration by pressure, viscosity and gravity.
     Acceleration,
     /// What walls push by forces of their own.
@@ -62,6 +64,7 @@ impl StageKind {
             StageKind::Density => "density",
             StageKind::PositionSolve => "position_solve",
             StageKind::BodyDensity => "body_density",
+            StageKind::WallDensity => "wall_density",
             StageKind::Acceleration => "acceleration",
             StageKind::WallForce => "wall_force",
             StageKind::BodyDrag => "body_drag",
@@ -138,6 +141,11 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     }
     if bodies.iter().any(|body| !body.own_densities.is_empty()) {
         add(StageKind::BodyDensity, "bodies are sampled by quasi-fluid, which has densities and pressures of its own");
+    }
+    if walls && matches!(method, WallMethod::QuasiFluid(_)) {
+        let name = method.name();
+        let what = format!("settings.wall_method is {name}: walls have densities and pressures of their own");
+        add(StageKind::WallDensity, &what);
     }
     let pressure = match (incompressible, scene.settings.pressure_force) {
         _ if by_positions.is_some() => "no pressure",
