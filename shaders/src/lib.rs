@@ -36,6 +36,8 @@ pub mod library {
         GRID = "grid.wgsl",
         /// Faces of walls around a particle.
         WALL_PLANES = "wall_planes.wgsl",
+        /// Images of the fluid in walls.
+        GHOSTS = "ghosts.wgsl",
         /// Neighbours as bits.
         HITS = "hits.wgsl",
         /// Smoothing kernels.

@@ -449,6 +449,8 @@ impl Settings {
             "walls by penalty as settings.wall_method: they put particles elsewhere without any velocity".to_owned()
         } else if matches!(self.wall_method, WallMethod::QuasiFluid(_)) {
             "quasi-fluid walls as settings.wall_method: their densities are sums".to_owned()
+        } else if self.wall_method == WallMethod::Ghosts {
+            "ghost particles as settings.wall_method: they are in sums".to_owned()
         } else {
             return Ok(());
         };

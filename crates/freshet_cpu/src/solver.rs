@@ -547,7 +547,7 @@ impl CpuSolver {
         if self.plan.has(StageKind::Support) {
             tally.timed("support", || self.support_stage());
         }
-        let compression = tally.timed("density", || self.density_stage());
+        let mut compression = tally.timed("density", || self.density_stage());
         if let PressureSolver::PositionBased(solver) = self.plan.parameters.pressure_solver {
             tally.timed("position_solve", || self.position_solve_stage(&solver));
         }
@@ -555,7 +555,8 @@ impl CpuSolver {
             tally.timed("body_density", || self.body_density_stage());
         }
         if self.plan.has(StageKind::WallDensity) {
-            tally.timed("wall_density", || self.wall_density_stage());
+            let with_images = tally.timed("wall_density", || self.wall_density_stage());
+            compression = with_images.unwrap_or(compression);
         }
         let mut maxima = tally.timed("acceleration", || self.acceleration_stage());
         if self.plan.has(StageKind::WallForce) {

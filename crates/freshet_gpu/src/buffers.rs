@@ -105,8 +105,8 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     if !plan.boundary.faces.is_empty() {
         need(Binding::WallFaces, bytes(16, plan.boundary.faces.len()), state);
     }
-    if plan.has(StageKind::WallDensity) {
-        need(Binding::WallDensities, bytes(8, plan.boundary.positions.len()), state);
+    if !plan.boundary.own_densities.is_empty() {
+        need(Binding::WallDensities, bytes(8, plan.boundary.own_densities.len()), state);
     }
     if !plan.bodies.is_empty() {
         let bodies = plan.bodies.len();

@@ -83,6 +83,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
             WallMethod::QuasiFluid(walls) => walls.relative_density(),
             _ => 1.0,
         },
+        wall_reach: p.wall_method.reach_of_planes(p.spacing, p.support_radius)[0],
         body_depth: p.boundary_depth,
         body_viscosity: p.dynamic_viscosity,
         nearest_wall: 0.25 * p.spacing,

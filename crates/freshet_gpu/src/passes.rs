@@ -344,7 +344,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(solves, uses, &[(B::Solves, Write)]);
             let uses = with(true, uses, &[(B::Accelerations, Write), (B::Hits, Read)]);
             let uses = with(plan.has(StageKind::Support), uses, &[(B::Widths, Read)]);
-            let uses = with(plan.has(StageKind::WallDensity), uses, &[(B::WallDensities, Read)]);
+            let uses = with(!plan.boundary.own_densities.is_empty(), uses, &[(B::WallDensities, Read)]);
             vec![with_words(3, pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses))]
         }
         StageKind::PositionSolve => {
@@ -383,6 +383,11 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 (B::Samples, Write),
             ],
         )],
+        StageKind::WallDensity if plan.boundary.own_densities.is_empty() => {
+            let uses = with(faces, neighbours.to_vec(), &[(B::Samples, Read), (B::WallFaces, Read)]);
+            let more = [(B::Accelerations, Read), (B::SortedVelocities, Write), (B::Densities, Write)];
+            vec![pass("wall_density", passes::WALL_DENSITY, Arguments::Particles, &with(true, uses, &more))]
+        }
         StageKind::WallDensity => vec![pass(
             "wall_density",
             passes::WALL_DENSITY,

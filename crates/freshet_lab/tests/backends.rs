@@ -305,6 +305,11 @@ fn stages_with_walls_of_every_method_agree_and_a_wrong_constant_is_found() {
             WallMethod::QuasiFluid(_) => {
                 vec![("shapes / relative", "shapes"), ("/ (relative * relative)", "/ relative")]
             }
+            WallMethod::Ghosts => vec![
+                ("density(a) + fields::parameters.fluid", "density(a) + 1.0002 * fields::parameters.fluid"),
+                ("equation_of_state::pressure_term(other.w)", "1.01 * equation_of_state::pressure_term(other.w)"),
+                ("ghosts::sticking(planes) & mask", "0u"),
+            ],
             WallMethod::LennardJones => vec![("(sixth * sixth - sixth)", "(sixth * sixth - 1.01 * sixth)")],
             WallMethod::KernelForcing => vec![("wall_strength * shape", "wall_strength * 1.01 * shape")],
             WallMethod::MonaghanRepulsion => {
@@ -315,7 +320,7 @@ fn stages_with_walls_of_every_method_agree_and_a_wrong_constant_is_found() {
                 ("fields::parameters.wall_way", "fields::parameters.wall_way.zxy"),
             ],
             WallMethod::Penalty(penalty) => match penalty.reflection {
-                Reflection::Whole => vec![("let contact = 0.5 *", "let contact = 0.52 *")],
+                Reflection::Whole => vec![("let contact = 0.01 *", "let contact = 0.0104 *")],
                 Reflection::Share => vec![("leaving *= depth", "leaving *= 0.9 * depth")],
                 Reflection::Mirrored => vec![("back *= 1.0 + bounce", "back *= 1.0 + 0.9 * bounce")],
             },

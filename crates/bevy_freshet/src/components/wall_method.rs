@@ -9,7 +9,7 @@ use freshet_core::wall_method::{Penalty, QuasiFluid, Reflection, SpringDamper, W
 #[reflect(Default, Clone, Debug, PartialEq)]
 pub enum FluidWallMethod {
     /// In the sums of the fluid, by volume weights (Akinci et al. 2012). The others are for weakly compressible fluids, and fluid slips along them but for those of
-    /// quasi-fluid.
+    /// quasi-fluid and images.
     #[default]
     VolumeWeights,
     /// In the sums of the fluid, by three layers of samples with densities and pressures of their own, each counted as a particle.
@@ -19,6 +19,8 @@ pub enum FluidWallMethod {
         /// Density of the walls over that of the fluid at rest, 0.1 to 10.
         relative_density: f32,
     },
+    /// Mirror images of the fluid behind plane faces; walls of other shapes are refused.
+    Ghosts,
     /// Forces of Lennard and Jones.
     LennardJones,
     /// Forces after the kernel.
@@ -86,6 +88,7 @@ impl From<FluidWallMethod> for WallMethod {
             FluidWallMethod::PlainQuasiFluid { relative_density } => {
                 Self::QuasiFluid(QuasiFluid::Plain { relative_density })
             }
+            FluidWallMethod::Ghosts => Self::Ghosts,
             FluidWallMethod::LennardJones => Self::LennardJones,
             FluidWallMethod::KernelForcing => Self::KernelForcing,
             FluidWallMethod::MonaghanRepulsion => Self::MonaghanRepulsion,
@@ -107,6 +110,7 @@ impl From<WallMethod> for FluidWallMethod {
             WallMethod::QuasiFluid(QuasiFluid::Plain { relative_density }) => {
                 Self::PlainQuasiFluid { relative_density }
             }
+            WallMethod::Ghosts => Self::Ghosts,
             WallMethod::LennardJones => Self::LennardJones,
             WallMethod::KernelForcing => Self::KernelForcing,
             WallMethod::MonaghanRepulsion => Self::MonaghanRepulsion,

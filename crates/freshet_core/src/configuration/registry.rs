@@ -294,6 +294,13 @@ pub const CONFIGURATIONS: &[Configuration] = &[
     ),
     of(
         Walls,
+        "ghost-particles",
+        |scene, _| scene.settings.wall_method = WallMethod::Ghosts,
+        "tanks: plane walls behind which the fluid is its own mirror image (Randles & Libersky 1996)",
+        "walls of any other shape, which it refuses",
+    ),
+    of(
+        Walls,
         "lennard-jones",
         |scene, _| scene.settings.wall_method = WallMethod::LennardJones,
         "comparison with Monaghan 1994: walls that need no density",

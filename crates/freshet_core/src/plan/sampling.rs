@@ -135,8 +135,9 @@ pub(super) fn sample_boundaries(
         check_walls_within(periodic, index, &samples, spacing)?;
         // Of several layers the first, which is next to the fluid.
         let next_to_fluid = if in_layers { layers[0] as usize } else { samples.len() };
-        planned.viscous.extend(samples.iter().enumerate().map(|(index, &sample)| {
-            method.is_in_sums() && index < next_to_fluid && is_viscous(boundary, &samples_layer, sample)
+        planned.viscous.extend(samples.iter().enumerate().map(|(index, &sample)| match method {
+            WallMethod::Ghosts => boundary.viscous_faces[face_index(boundary, face_of(boundary, layer, sample).normal)],
+            _ => method.is_in_sums() && index < next_to_fluid && is_viscous(boundary, &samples_layer, sample),
         }));
         if planned.positions.len() + samples.len() > MAX_PARTICLES as usize {
             return Err(too_many((planned.positions.len() + samples.len()) as f64).into());
@@ -261,6 +262,15 @@ fn sample_layers(boundary: &Boundary, layer: &WallLayer) -> Result<(Vec<Vec3>, [
         all.extend(samples);
     }
     Ok((all, counts))
+}
+
+/// The index among [`Boundary::viscous_faces`] of the face of a plane, a half-space or a container whose normal, to the fluid, is given.
+fn face_index(boundary: &Boundary, normal: Vec3) -> usize {
+    let local = boundary.rotation.conjugate() * normal;
+    let axis = local.abs().max_position();
+    // The fluid is inside of a container: its upper faces look down.
+    let inside = matches!(boundary.shape, BoundaryShape::Container { .. });
+    2 * axis + usize::from((local[axis] > 0.0) != inside)
 }
 
 /// Whether a sample lies behind a viscous face.

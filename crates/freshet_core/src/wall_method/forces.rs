@@ -23,7 +23,7 @@ impl WallMethod {
     pub fn strength(self, expected_speed: f32, sound_speed: f32, spacing: f32) -> f32 {
         let v_squared = expected_speed * expected_speed;
         match self {
-            Self::VolumeWeights | Self::QuasiFluid(_) | Self::Penalty(_) => 0.0,
+            Self::VolumeWeights | Self::QuasiFluid(_) | Self::Ghosts | Self::Penalty(_) => 0.0,
             Self::LennardJones => v_squared,
             Self::KernelForcing => 8.0 * v_squared * spacing * spacing,
             Self::MonaghanRepulsion => 0.01 * sound_speed * sound_speed,
@@ -64,6 +64,7 @@ impl WallMethod {
         let (d, reach) = (f64::from(spacing), kernel.support_radius());
         match self {
             Self::VolumeWeights => None,
+            Self::Ghosts => Some(0.0),
             Self::QuasiFluid(_) | Self::SpringDamper(_) | Self::Penalty(_) => Some(0.5 * spacing),
             Self::LennardJones | Self::KernelForcing | Self::MonaghanRepulsion => {
                 let strength = self.strength(1.0, 10.0, spacing);

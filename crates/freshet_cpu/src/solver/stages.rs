@@ -20,7 +20,7 @@ use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
 use crate::passes::{
     acceleration, body_density, body_drag, body_load, body_touch, continuity, density, friction, integrate, support,
-    wall_collision, wall_force, xsph,
+    wall_collision, wall_density, wall_force, xsph,
 };
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
@@ -219,9 +219,12 @@ impl CpuSolver {
         (self.body_samples.sorted.pressure_term, self.workspaces) = (terms, workspaces);
     }
 
-    /// The same of walls.
-    pub(super) fn wall_density_stage(&mut self) {
-        let WallMethod::QuasiFluid(walls) = self.plan.parameters.wall_method else { return };
+    /// The same of walls; of those with images of the fluid its densities, and how far it is compressed then.
+    pub(super) fn wall_density_stage(&mut self) -> Option<Compression> {
+        if self.plan.parameters.wall_method == WallMethod::Ghosts {
+            return self.image_density();
+        }
+        let WallMethod::QuasiFluid(walls) = self.plan.parameters.wall_method else { return None };
         share_slots(&mut self.wall_slots, self.walls.len());
         let mut terms = std::mem::take(&mut self.walls.pressure_term);
         let mut workspaces = std::mem::take(&mut self.workspaces);
@@ -229,6 +232,25 @@ impl CpuSolver {
         let weight = walls.relative_density();
         self.find_quasi_fluid(&self.walls, own, weight, &self.wall_slots, &mut workspaces, &mut terms);
         (self.walls.pressure_term, self.workspaces) = (terms, workspaces);
+        None
+    }
+
+    fn image_density(&mut self) -> Option<Compression> {
+        let parameters = &self.plan.parameters;
+        let inputs = wall_density::Inputs {
+            near: NearWalls { walls: &self.pushing_walls, plan: &self.plan },
+            starts: &self.sorter.starts,
+            particles: &self.particles,
+            kernel: parameters.kernel().ok()?,
+            factor: f64::from(parameters.particle_mass / parameters.density_calibration),
+            law: parameters.pressure_law,
+        };
+        let results = [&mut *self.density, &mut *self.pressure_term];
+        let tasks = Tasks::new(&self.sorter.chunks, (), results);
+        let compression = self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (), results)| {
+            wall_density::wall_density(&inputs, chunk, workspace, results)
+        });
+        Some(compression)
     }
 
     /// `p / rho^2` of quasi-fluid samples whose density at rest is so many times that of the fluid.
@@ -359,7 +381,20 @@ impl CpuSolver {
     /// Adds what walls push by themselves; the largest of the accelerations beside them.
     pub(super) fn wall_force_stage(&mut self) -> Maxima {
         let near = NearWalls { walls: &self.pushing_walls, plan: &self.plan };
-        let inputs = wall_force::Inputs { near, particles: &self.particles };
+        let parameters = &self.plan.parameters;
+        let with_images = parameters.wall_method == WallMethod::Ghosts;
+        let images = parameters.kernel().ok().filter(|_| with_images).map(|kernel| wall_force::Pairs {
+            starts: &self.sorter.starts,
+            density: &self.density,
+            pressure_term: &self.pressure_term,
+            kernel,
+            factor: -f64::from(parameters.particle_mass / parameters.gradient_calibration),
+            viscosity: 2.0 * parameters.artificial_viscosity * parameters.sound_speed * parameters.smoothing_length,
+            physical: 2.0 * parameters.dynamic_viscosity * parameters.gradient_calibration
+                / parameters.viscous_calibration,
+            softening: 0.01 * parameters.smoothing_length * parameters.smoothing_length,
+        });
+        let inputs = wall_force::Inputs { near, particles: &self.particles, images };
         let results = self.acceleration.each_mut().map(Vec::as_mut_slice);
         let tasks = Tasks::new(&self.sorter.chunks, (), results);
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (), acceleration)| {
@@ -369,13 +404,13 @@ impl CpuSolver {
 
     /// Puts back what got into walls in the last `dt` seconds.
     pub(super) fn wall_collision_stage(&mut self, dt: f32) {
-        let WallMethod::Penalty(penalty) = self.plan.parameters.wall_method else { return };
+        let Some(collision) = self.plan.parameters.wall_method.collision() else { return };
         let near = NearWalls { walls: &self.pushing_walls, plan: &self.plan };
         let [positions, velocities] = [&mut self.particles.position, &mut self.particles.velocity];
         let moved = [positions, velocities].map(|values| values.each_mut().map(Vec::as_mut_slice));
         let tasks = Tasks::new(&self.sorter.chunks, (), moved);
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (_, (), moved)| {
-            wall_collision::wall_collision(near, &penalty, workspace, moved, dt);
+            wall_collision::wall_collision(near, collision, workspace, moved, dt);
         });
     }
 

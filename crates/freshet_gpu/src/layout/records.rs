@@ -185,8 +185,8 @@ wgsl_struct! {
         body_depth: f32,
         /// mu, Pa s: between particles and bodies.
         body_viscosity: f32,
-        /// Unused.
-        pad_end: u32,
+        /// How near a particle has to be to a sample to be held by its plane, m.
+        wall_reach: f32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.

@@ -82,7 +82,7 @@ fn bounds(method: WallMethod) -> Bounds {
         WallMethod::VolumeWeights => {
             Bounds { pressure: Some((0.95, 1.05)), level: Some((0.99, 1.01)), speed: [10.0, 40.0] }
         }
-        WallMethod::QuasiFluid(_) => of_none([20.0, 100.0]),
+        WallMethod::QuasiFluid(_) | WallMethod::Ghosts => of_none([20.0, 100.0]),
         WallMethod::LennardJones | WallMethod::SpringDamper(_) => of_none([20.0, 100.0]),
         WallMethod::KernelForcing | WallMethod::MonaghanRepulsion => of_none([80.0, 400.0]),
         WallMethod::Penalty(penalty) if penalty.reflection == Reflection::Mirrored => of_none([150.0, 150.0]),
