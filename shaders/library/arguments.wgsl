@@ -18,6 +18,10 @@ fn write_arguments(going: bool) {
     fields::set_arguments(#{ARGUMENTS_SAMPLES}u, threads::groups_for(select(0u, fields::parameters.body_samples, going)));
     fields::set_arguments(#{ARGUMENTS_BODIES}u, threads::group_grid(select(0u, fields::parameters.bodies, going)));
 #endif
+#ifdef QUASI_FLUID_WALLS
+    let wall_samples = select(0u, fields::parameters.wall_samples, going);
+    fields::set_arguments(#{ARGUMENTS_WALL_SAMPLES}u, threads::groups_for(wall_samples));
+#endif
     fields::set_instances(fields::control.count);
 }
 

@@ -11,9 +11,6 @@ const MOST_PLANES: u32 = 3u;
 // How far beside a sample, in spacings, its face reaches.
 const LATERAL_REACH: f32 = 0.01 * f32(#{WALL_LATERAL_PERCENT}u);
 
-// How near a particle has to be to a sample, in spacings.
-const REACH: f32 = 0.01 * f32(#{WALL_REACH_PERCENT}u);
-
 // Cosine between the normals of two faces from which on they count as one.
 const SAME: f32 = 0.5;
 
@@ -39,7 +36,7 @@ fn add_plane(position: vec3<f32>, place: grid::Place, planes: ptr<function, Plan
     let wall_starts = fields::parameters.wall_starts;
     let spacing = fields::parameters.wall_spacing;
     let lateral = LATERAL_REACH * spacing;
-    var nearest = REACH * spacing * REACH * spacing;
+    var nearest = fields::parameters.wall_reach * fields::parameters.wall_reach;
     var face = vec4<f32>(0.0);
     var of_sample = 0u;
     var found = false;

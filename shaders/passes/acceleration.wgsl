@@ -178,23 +178,34 @@ fn from_sample(own: Own, sample: fields::Sample) -> vec3<f32> {
 }
 #endif
 
-#ifdef QUASI_FLUID
+#ifdef SAMPLES
 // V_k (P_a + P_k) f'(q) / q x_ak, P_k being zero for samples of a single layer
-fn from_quasi_fluid(own: Own, k: u32, sample: fields::Sample) -> vec3<f32> {
+fn from_quasi_fluid(own: Own, sample: fields::Sample, term: f32) -> vec3<f32> {
     let x = grid::difference(own.position, sample.position);
-    let factor = sample.weight * (own.pressure_term + fields::sample_pressure(k));
+    let factor = sample.weight * (own.pressure_term + term);
     return (factor * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
 }
 #endif
 
+#ifdef WALLS
+// P_k of a wall's sample
+fn wall_term(k: u32) -> f32 {
+#ifdef QUASI_FLUID_WALLS
+    return fields::wall_pressure(k);
+#else
+    return 0.0;
+#endif
+}
+#endif
+
 #ifdef DRAGGING_WALLS
-// V_k (P_a + Pi_ak) f'(q) / q x_ak
-fn from_wall(own: Own, sample: fields::Sample) -> vec3<f32> {
+// V_k (P_a + P_k + Pi_ak) f'(q) / q x_ak, P_k being `term`
+fn from_wall(own: Own, sample: fields::Sample, term: f32) -> vec3<f32> {
     let x = grid::difference(own.position, sample.position);
     let r_squared = dot(x, x);
     let approach = sample.viscous_weight * dot(own.velocity, x);
     let drag = own.artificial_scale * approach / ((r_squared + own.softening) * (2.0 * own.density));
-    let factor = sample.weight * own.pressure_term - drag;
+    let factor = sample.weight * (own.pressure_term + term) - drag;
     return (factor * kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius)) * x;
 }
 #endif
@@ -281,7 +292,9 @@ fn acceleration_of(a: u32) -> vec3<f32> {
             let k = grid::member(walls, t);
             let sample = fields::sample(k);
 #ifdef DRAGGING_WALLS
-            samples += from_wall(own, sample);
+            samples += from_wall(own, sample, wall_term(k));
+#else ifdef QUASI_FLUID_WALLS
+            samples += from_quasi_fluid(own, sample, wall_term(k));
 #else
             samples += from_sample(own, sample);
 #endif
@@ -295,7 +308,7 @@ fn acceleration_of(a: u32) -> vec3<f32> {
         for (var t = 0u; t < bodies.count; t++) {
             let k = grid::member(bodies, t);
 #ifdef QUASI_FLUID
-            samples += from_quasi_fluid(own, k, fields::sample(k));
+            samples += from_quasi_fluid(own, fields::sample(k), fields::sample_pressure(k));
 #else
             samples += from_sample(own, fields::sample(k));
 #endif

@@ -82,13 +82,13 @@ fn contact_of(position: vec3<f32>) -> Contact {
 fn drag(contact: Contact, velocity: vec3<f32>, density: f32) -> vec3<f32> {
     let away = contact.slope / contact.strength;
     let distance = length(away);
-    let y = max(distance - fields::parameters.wall_depth, fields::parameters.nearest_wall);
+    let y = max(distance - fields::parameters.body_depth, fields::parameters.nearest_wall);
     let arm = contact.arms / contact.strength + away;
     let body = contact.body - 1u;
     let linear = fields::body_linear_velocity(body) + fields::body_drift(body);
     let surface = linear + cross(fields::body_angular_velocity(body) + fields::body_turn(body), arm);
     let strength = -fields::parameters.sample_force_scale * contact.strength;
-    let rate = fields::parameters.wall_viscosity / (density * density) * strength * distance / y;
+    let rate = fields::parameters.body_viscosity / (density * density) * strength * distance / y;
     return rate * (surface - velocity);
 }
 

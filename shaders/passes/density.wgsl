@@ -104,7 +104,9 @@ fn density(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
         fields::set_density(a, density, equation_of_state::pressure_term(density));
 #endif
         fields::set_velocity_and_density(a, fields::velocity_before(a), density);
+#ifndef WALL_GHOSTS
         compression::add(density);
+#endif
     }
     compression::finish(local);
 }

@@ -20,7 +20,7 @@ fn wall_collision(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
     var position = start;
     var velocity = fields::velocity(a);
     let dt = fields::control.substep;
-    let contact = 0.5 * fields::parameters.wall_spacing;
+    let contact = 0.01 * f32(#{WALL_CONTACT_PERCENT}u) * fields::parameters.wall_spacing;
     let bounce = fields::parameters.wall_bounce;
     for (var i = 0u; i < planes.count; i++) {
         let normal = planes.faces[i].xyz;

@@ -36,6 +36,8 @@ pub mod library {
         GRID = "grid.wgsl",
         /// Faces of walls around a particle.
         WALL_PLANES = "wall_planes.wgsl",
+        /// Images of the fluid in walls.
+        GHOSTS = "ghosts.wgsl",
         /// Neighbours as bits.
         HITS = "hits.wgsl",
         /// Smoothing kernels.
@@ -84,6 +86,8 @@ pub mod passes {
         POSITION_SOLVE = "position_solve.wgsl",
         /// Acceleration.
         ACCELERATION = "acceleration.wgsl",
+        /// Density and pressure of walls' samples.
+        WALL_DENSITY = "wall_density.wgsl",
         /// Forces of walls that push by themselves.
         WALL_FORCE = "wall_force.wgsl",
         /// Fluid that sticks to bodies.

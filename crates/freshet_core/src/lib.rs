@@ -75,6 +75,6 @@ pub mod prelude {
     pub use crate::solver::{FluidSolver, Schedule, SolverError};
     pub use crate::step::{BodyInput, Command, Impulse, NewParticles, StepInput, StepReport};
     pub use crate::viscosity::ViscosityModel;
-    pub use crate::wall_method::{Penalty, Reflection, SpringDamper, WallMethod};
+    pub use crate::wall_method::{Penalty, QuasiFluid, Reflection, SpringDamper, WallMethod};
     pub use glam::{Mat3, Quat, Vec3};
 }

@@ -76,16 +76,21 @@ impl Periodic {
 
     /// The images of points that lie outside of the periods, within `reach` of their ends.
     pub fn images(&self, points: &[Vec3], reach: f32) -> Vec<Vec3> {
-        let mut all = points.to_vec();
+        self.sources_and_images(points, reach).into_iter().map(|(_, image)| image).collect()
+    }
+
+    /// The same, each with the index of the point that it is an image of.
+    pub(crate) fn sources_and_images(&self, points: &[Vec3], reach: f32) -> Vec<(usize, Vec3)> {
+        let mut all: Vec<(usize, Vec3)> = points.iter().copied().enumerate().collect();
         for axis in 0..3 {
             let Some((low, high)) = self.along(axis) else { continue };
             for index in 0..all.len() {
-                let (point, shift) = (all[index], Vec3::AXES[axis] * (high - low));
+                let ((source, point), shift) = (all[index], Vec3::AXES[axis] * (high - low));
                 if point[axis] < low + reach {
-                    all.push(point + shift);
+                    all.push((source, point + shift));
                 }
                 if point[axis] > high - reach {
-                    all.push(point - shift);
+                    all.push((source, point - shift));
                 }
             }
         }

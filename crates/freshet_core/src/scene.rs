@@ -430,7 +430,7 @@ impl Settings {
         if self.density.is_carried() {
             return Err(InvalidInput::new("density", self.density.name(), allowed));
         }
-        if !self.wall_method.is_in_sums() {
+        if self.wall_method != WallMethod::VolumeWeights {
             return Err(InvalidInput::new("wall_method", self.wall_method.name(), allowed));
         }
         Ok(())
@@ -449,6 +449,10 @@ impl Settings {
             "settings.relaxation: particles settle by the sums of densities".to_owned()
         } else if matches!(self.wall_method, WallMethod::Penalty(_)) {
             "walls by penalty as settings.wall_method: they put particles elsewhere without any velocity".to_owned()
+        } else if matches!(self.wall_method, WallMethod::QuasiFluid(_)) {
+            "quasi-fluid walls as settings.wall_method: their densities are sums".to_owned()
+        } else if self.wall_method == WallMethod::Ghosts {
+            "ghost particles as settings.wall_method: they are in sums".to_owned()
         } else {
             return Ok(());
         };

@@ -1,8 +1,9 @@
 //! What walls do to a fluid beside standing in its sums.
 //!
 //! The default, [`WallMethod::VolumeWeights`], has walls in the density of the fluid and pushes with the gradient of that density: see
-//! [`wall_layer`](crate::sampling::wall_layer). The others leave walls out of all sums: they push particles that come near, whatever the pressure
-//! of the fluid is. They know nothing of the fluid behind a particle, so that densities fall towards a wall as towards a free surface.
+//! [`wall_layer`](crate::sampling::wall_layer). So do [quasi-fluid walls](WallMethod::QuasiFluid), whose samples have densities and pressures of their own. The others leave
+//! walls out of all sums: they push particles that come near, whatever the pressure of the fluid is. They know nothing of the fluid behind a
+//! particle, so that densities fall towards a wall as towards a free surface.
 //!
 //! It is a choice of the scene and not of each boundary: whether walls are in the sums and how deep their samples lie decides what passes,
 //! buffers and shaders a plan has.
@@ -12,13 +13,16 @@
 
 mod faces;
 mod forces;
+pub mod ghosts;
 mod penalty;
+mod quasi_fluid;
 
 use serde::{Deserialize, Serialize};
 
 pub(crate) use self::faces::face_of;
 pub use self::faces::{Face, MOST_PLANES, Plane};
 pub use self::penalty::{Penalty, Reflection};
+pub use self::quasi_fluid::QuasiFluid;
 use crate::error::{InvalidInput, check_range};
 
 /// How walls act on a fluid.
@@ -27,6 +31,10 @@ pub enum WallMethod {
     /// Akinci et al. 2012: one layer of samples in the densities, whose volumes stand for the whole wall, pushing with the particle's own pressure.
     #[default]
     VolumeWeights,
+    /// Three layers of samples that stand in density and pressure as fluid does (Pirovano 2011, section 3.5.3, after Crespo et al. 2007).
+    QuasiFluid(QuasiFluid),
+    /// Mirror images of the fluid behind plane faces, see [`ghosts`] (Randles & Libersky 1996; Pirovano 2011, section 3.5.4).
+    Ghosts,
     /// Lennard-Jones forces of the samples (Monaghan 1994; Pirovano 2011, eq. 3.13): `K x_ak/r^2 ((d/r)^12 - (d/r)^6)` where `r < d`, the
     /// spacing, with `K = v^2` of the expected speed.
     LennardJones,
@@ -68,8 +76,11 @@ impl Default for SpringDamper {
 
 impl WallMethod {
     /// All, with their default numbers.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 11] = [
         Self::VolumeWeights,
+        Self::QuasiFluid(QuasiFluid::Adapted),
+        Self::QuasiFluid(QuasiFluid::PLAIN),
+        Self::Ghosts,
         Self::LennardJones,
         Self::KernelForcing,
         Self::MonaghanRepulsion,
@@ -83,6 +94,9 @@ impl WallMethod {
     pub fn name(self) -> &'static str {
         match self {
             Self::VolumeWeights => "volume weights",
+            Self::QuasiFluid(QuasiFluid::Adapted) => "quasi-fluid, adapted",
+            Self::QuasiFluid(QuasiFluid::Plain { .. }) => "quasi-fluid, plain",
+            Self::Ghosts => "ghost particles",
             Self::LennardJones => "Lennard-Jones",
             Self::KernelForcing => "kernel forcing",
             Self::MonaghanRepulsion => "Monaghan's repulsion",
@@ -95,19 +109,41 @@ impl WallMethod {
         }
     }
 
-    /// Whether walls are in the sums of the fluid.
+    /// Whether samples of walls are in the sums of the fluid.
     pub fn is_in_sums(self) -> bool {
-        self == Self::VolumeWeights
+        matches!(self, Self::VolumeWeights | Self::QuasiFluid(_))
     }
 
     /// Whether it pushes by a force of its own.
     pub fn is_force(self) -> bool {
-        !self.is_in_sums() && !matches!(self, Self::Penalty(_))
+        !self.is_in_sums() && !self.collides()
     }
 
     /// Whether samples need the [face](Face) they stand for.
     pub fn needs_faces(self) -> bool {
-        matches!(self, Self::SpringDamper(_) | Self::Penalty(_))
+        matches!(self, Self::Ghosts | Self::SpringDamper(_) | Self::Penalty(_))
+    }
+
+    /// Whether particles that get into walls are put back after each substep.
+    pub fn collides(self) -> bool {
+        self.collision().is_some()
+    }
+
+    /// How they are, and how near to a face they get, spacings.
+    pub fn collision(self) -> Option<(Penalty, f32)> {
+        match self {
+            Self::Penalty(penalty) => Some((penalty, 0.5)),
+            Self::Ghosts => Some((Penalty::DEFAULT, ghosts::CONTACT)),
+            _ => None,
+        }
+    }
+
+    /// How near a particle has to be to a sample, and to its normal, to be held by its [plane](Plane), m.
+    pub fn reach_of_planes(self, spacing: f32, support_radius: f32) -> [f32; 2] {
+        match self {
+            Self::Ghosts => [support_radius, ghosts::LATERAL_REACH * spacing],
+            _ => [Plane::REACH * spacing, Plane::LATERAL_REACH * spacing],
+        }
     }
 
     /// Whether boundaries may have friction.
@@ -124,6 +160,7 @@ impl WallMethod {
                 check_range("damping_ratio", damping_ratio, 0.0, 2.0, "")
             }
             Self::Penalty(penalty) => penalty.validate(),
+            Self::QuasiFluid(walls) => walls.validate(),
             _ => Ok(()),
         }
     }

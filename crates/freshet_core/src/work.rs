@@ -131,6 +131,7 @@ impl Work {
             | StageKind::WallCollision
             | StageKind::BodySort
             | StageKind::BodyDensity
+            | StageKind::WallDensity
             | StageKind::BodyDrag
             | StageKind::BodyLoad
             | StageKind::StepControl

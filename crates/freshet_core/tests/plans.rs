@@ -161,13 +161,18 @@ fn walls_that_push_by_themselves_are_a_stage_and_in_no_other_and_refuse_what_doe
         let plan = Plan::new(&scene).unwrap();
         let in_sums = method.is_in_sums();
         let is_penalty = matches!(method, WallMethod::Penalty(_));
-        assert_eq!((plan.has(StageKind::WallForce), plan.sums_walls()), (method.is_force(), in_sums), "{plan}");
-        assert_eq!(plan.has(StageKind::WallCollision), is_penalty, "{plan}");
+        let with_images = method == WallMethod::Ghosts;
+        let pushes = method.is_force() || with_images;
+        assert_eq!((plan.has(StageKind::WallForce), plan.sums_walls()), (pushes, in_sums), "{plan}");
+        assert_eq!(plan.has(StageKind::WallCollision), is_penalty || with_images, "{plan}");
         assert_eq!(plan.boundary.faces.is_empty(), !method.needs_faces());
         assert_eq!(plan.parameters.wall_strength > 0.0, method.is_force());
         let without = Plan::new(&FluidScene { boundaries: Vec::new(), ..scene.clone() }).unwrap();
         assert!(!without.has(StageKind::WallForce) && !without.has(StageKind::WallCollision) && !without.sums_walls());
-        if in_sums {
+        let in_layers = matches!(method, WallMethod::QuasiFluid(_));
+        assert_eq!(plan.has(StageKind::WallDensity), in_layers || with_images, "{plan}");
+        assert_eq!(plan.boundary.own_densities.is_empty(), !in_layers);
+        if in_sums || with_images {
             continue;
         }
         let stage = if is_penalty { StageKind::WallCollision } else { StageKind::WallForce };
@@ -231,6 +236,111 @@ fn walls_that_push_by_themselves_are_a_stage_and_in_no_other_and_refuse_what_doe
     scene.settings.wall_method = WallMethod::SpringDamper(SpringDamper { frequency: Some(1e4), damping_ratio: 1.0 });
     let limit = Plan::new(&scene).unwrap().parameters.substep_limit(0.0, 0.0);
     assert!(near(limit, 0.5 / 3e4), "{limit}");
+}
+
+#[test]
+fn quasi_fluid_walls_have_layers_where_there_is_room_and_refuse_what_does_not_go_together() {
+    let mut scene = dam_break();
+    scene.boundaries.truncate(1);
+    let single = Plan::new(&scene).unwrap().boundary.positions.len();
+    scene.settings.wall_method = WallMethod::QuasiFluid(QuasiFluid::Adapted);
+    let plan = Plan::new(&scene).unwrap();
+    let walls = &plan.boundary;
+    let count = walls.positions.len();
+    assert!(count > 5 * single / 2 && count < 4 * single, "{count} of {single}");
+    // What stands for nothing but itself weighs what a particle does, and only what is next to the fluid drags it along.
+    let whole = plan.parameters.spacing.powi(3);
+    let full = walls.volumes.iter().filter(|&&volume| near(volume, whole.into())).count();
+    assert!(full > count / 2 && walls.volumes.iter().all(|&volume| volume > 0.3 * whole && volume < 1.4 * whole));
+    assert!(walls.own_densities.iter().all(|&own| own > 0.5 && own < 1.02));
+    assert!(walls.viscous.iter().filter(|&&viscous| viscous).count() < count / 2 && walls.viscous.contains(&true));
+    assert!(reason(&plan, StageKind::WallDensity).contains("quasi-fluid, adapted"), "{plan}");
+    assert!(!Plan::new(&FluidScene { boundaries: Vec::new(), ..scene.clone() }).unwrap().has(StageKind::WallDensity));
+    // Twice the walls in the same place are not twice as dense.
+    let twice = FluidScene { boundaries: vec![scene.boundaries[0].clone(); 2], ..scene.clone() };
+    let own = Plan::new(&twice).unwrap().boundary.own_densities;
+    assert!(own.len() == 2 * count && own.iter().all(|&own| own < 1.02));
+    // A plate of one spacing has one layer, in its middle.
+    let half = 0.5 * plan.parameters.spacing;
+    let plate =
+        Boundary::new(BoundaryShape::Box { half_extents: Vec3::new(8.0 * half, half, 8.0 * half) }, Vec3::Y * 5.0);
+    let of_plate = Plan::new(&FluidScene { boundaries: vec![plate], ..scene.clone() }).unwrap().boundary;
+    assert!(of_plate.positions.iter().all(|sample| near(sample.y, 5.0)), "{:?}", of_plate.positions);
+
+    scene.settings.wall_method = WallMethod::QuasiFluid(QuasiFluid::PLAIN);
+    let plain = Plan::new(&scene).unwrap().boundary;
+    assert_eq!(plain.own_densities, walls.own_densities);
+    assert!(plain.volumes.iter().zip(&walls.volumes).all(|(&plain, &adapted)| plain == 2.0 * adapted));
+    let message = |change: &dyn Fn(&mut FluidScene)| {
+        let mut scene = scene.clone();
+        change(&mut scene);
+        refused(&scene)
+    };
+    for relative_density in [0.05, 11.0, f32::NAN] {
+        let walls = WallMethod::QuasiFluid(QuasiFluid::Plain { relative_density });
+        let error = message(&|scene| scene.settings.wall_method = walls);
+        assert!(error.contains("settings.wall_method.relative_density") && error.contains("0.1 to 10"), "{error}");
+    }
+    let solver = PressureSolver::DivergenceFree(DivergenceFree::default());
+    let error = message(&|scene| scene.settings.pressure_solver = solver);
+    assert!(error.contains("settings.wall_method: quasi-fluid, plain"), "{error}");
+    let error = message(&|scene| scene.settings.widest_support = 1.5);
+    assert!(error.contains("settings.widest_support: 1.5") && error.contains("quasi-fluid"), "{error}");
+    let error = message(&|scene| scene.settings.density = DensityForm::Continuity);
+    assert!(error.contains("settings.density") && error.contains("quasi-fluid walls"), "{error}");
+    let error = message(&|scene| scene.boundaries[0].friction = Friction::coulomb(0.1));
+    assert!(error.contains("boundaries[0].friction.at_rest") && error.contains("quasi-fluid"), "{error}");
+    let sheet = BoundaryShape::Sphere { radius: 0.5, fluid: FluidSide::Both };
+    let error = message(&|scene| scene.boundaries.push(Boundary::new(sheet.clone(), Vec3::Y * 10.0)));
+    assert!(error.contains("boundaries[1].shape.fluid") && error.contains("Inside or Outside"), "{error}");
+}
+
+#[test]
+fn ghost_particles_are_for_plane_walls_at_right_angles_and_refuse_the_rest() {
+    let mut scene = dam_break();
+    scene.settings.wall_method = WallMethod::Ghosts;
+    let plan = Plan::new(&scene).unwrap();
+    for stage in [StageKind::WallDensity, StageKind::WallForce, StageKind::WallCollision] {
+        assert!(reason(&plan, stage).contains("ghost particles"), "{plan}");
+    }
+    assert!(plan.boundary.viscous.contains(&true) && plan.boundary.faces.iter().all(|face| face.depth.abs() < 1e-5));
+    let refused = |change: &dyn Fn(&mut FluidScene), words: [&str; 2]| {
+        let mut scene = scene.clone();
+        change(&mut scene);
+        let message = Plan::new(&scene).unwrap_err().to_string();
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    };
+    let ball = BoundaryShape::Sphere { radius: 0.5, fluid: FluidSide::Inside };
+    let block = BoundaryShape::Box { half_extents: Vec3::ONE };
+    for (shape, name) in [(ball, "Sphere"), (block, "Box")] {
+        let boundary = Boundary::new(shape, Vec3::Y * 10.0);
+        let expected = format!("shape: {name} is not allowed; allowed: Container, HalfSpace or Plane");
+        refused(&|scene| scene.boundaries.push(boundary.clone()), [&expected, "curved"]);
+    }
+    let slope = |scene: &mut FluidScene| {
+        let floor = Boundary::new(BoundaryShape::HalfSpace { half_extents: [1.0, 1.0] }, Vec3::NEG_Y * 10.0);
+        scene.boundaries.push(Boundary { rotation: Quat::from_rotation_x(0.3), ..floor });
+    };
+    refused(&slope, ["boundaries[1].rotation: a face", "degrees from one of boundaries[0]"]);
+    let gap = |scene: &mut FluidScene| {
+        let half_extents = Vec3::new(0.5, 0.5, 0.9 * plan.parameters.support_radius);
+        let shape = BoundaryShape::Container { half_extents, open: [false; 6] };
+        scene.boundaries.push(Boundary::new(shape, Vec3::Y * 10.0));
+    };
+    refused(&gap, ["boundaries[1].shape.half_extents.z", "the support radius"]);
+    let solver = PressureSolver::DivergenceFree(DivergenceFree::default());
+    refused(&|scene| scene.settings.pressure_solver = solver, ["settings.wall_method", "ghost particles"]);
+    refused(&|scene| scene.settings.widest_support = 1.5, ["settings.widest_support: 1.5", "ghost particles"]);
+    refused(&|scene| scene.settings.near_pressure = 0.01, ["settings.near_pressure: 0.01", "ghost particles"]);
+    refused(&|scene| scene.settings.tensile_correction = 0.2, ["settings.tensile_correction: 0.2", "ghost particles"]);
+    let mueller = |scene: &mut FluidScene| scene.settings.pressure_force = PressureForce::Mueller;
+    refused(&mueller, ["settings.pressure_force", "Monaghan, with"]);
+    refused(&|scene| scene.settings.density = DensityForm::Continuity, ["settings.density", "ghost particles"]);
+    refused(&|scene| scene.settings.integrator = Integrator::Beeman, ["settings.integrator", "ghost particles"]);
+    refused(&|scene| scene.settings.redo_substeps = true, ["settings.redo_substeps", "ghost particles"]);
+    refused(&|scene| scene.boundaries[0].velocity = Vec3::X, ["boundaries[0].velocity", ""]);
+    let rough = |scene: &mut FluidScene| scene.boundaries[0].friction = Friction::coulomb(0.1);
+    refused(&rough, ["boundaries[0].friction.at_rest", "ghost particles"]);
 }
 
 #[test]

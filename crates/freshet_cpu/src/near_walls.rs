@@ -1,10 +1,13 @@
 //! What samples of walls are around a particle, of plans whose walls push by themselves.
 
+use freshet_core::grid::Grid;
 use freshet_core::plan::Plan;
+use freshet_core::wall_method::ghosts::{self, Image};
 use freshet_core::wall_method::{MOST_PLANES, Plane};
 use glam::Vec3;
 
 use crate::neighbours::Rows;
+use crate::particles::Particles;
 use crate::samples::SortedSamples;
 
 /// Walls that push by themselves, sorted by cell.
@@ -68,15 +71,58 @@ impl<'a> NearWalls<'a> {
 
     /// The planes of a particle; `samples` is memory.
     pub fn planes(&self, around: &Around<'_>, samples: &mut Vec<(usize, Vec3)>) -> ([Plane; MOST_PLANES], usize) {
-        let spacing = self.plan.parameters.spacing;
+        let parameters = &self.plan.parameters;
+        let [reach, beside] = parameters.wall_method.reach_of_planes(parameters.spacing, parameters.support_radius);
         samples.clear();
-        around.each(Plane::REACH * spacing, |slot, x, _| samples.push((slot, x)));
-        Plane::among(samples, |slot| self.plan.boundary.faces[self.source(slot)], spacing)
+        around.each(reach, |slot, x, _| samples.push((slot, x)));
+        Plane::among(samples, |slot| self.plan.boundary.faces[self.source(slot)], [reach, beside])
+    }
+
+    /// The images behind the planes of a particle; `samples` is memory.
+    pub fn images(&self, around: &Around<'_>, samples: &mut Vec<(usize, Vec3)>) -> Images {
+        let (planes, count) = self.planes(around, samples);
+        let sticks = planes.map(|plane| self.plan.boundary.viscous[self.source(plane.sample)]);
+        Images { planes, sticks, count, reach: self.plan.grid.support_radius }
     }
 
     /// The number in the plan of the sample in a slot.
     pub fn source(&self, slot: usize) -> usize {
         self.walls.samples.source[slot] as usize
+    }
+}
+
+/// Planes of a particle in which the fluid has images.
+pub struct Images {
+    planes: [Plane; MOST_PLANES],
+    sticks: [bool; MOST_PLANES],
+    count: usize,
+    reach: f32,
+}
+
+impl Images {
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = Image> {
+        ghosts::images(&self.planes[..self.count], &self.sticks, self.reach)
+    }
+}
+
+/// Calls `look` with each particle that is within the support of a place, the way from it to the place, m, and the square of that, m2.
+#[inline(always)]
+pub fn each_particle(
+    grid: &Grid,
+    starts: &[u32],
+    particles: &Particles,
+    at: Vec3,
+    mut look: impl FnMut(usize, Vec3, f32),
+) {
+    let rows = Rows::around(grid, starts, grid.index(grid.coordinates(at)) as usize);
+    let reach = grid.support_radius * grid.support_radius;
+    for b in rows.all().iter().flat_map(|&(first, end)| first as usize..end as usize) {
+        let apart = grid.periodic.nearest(at - particles.position_of(b));
+        let squared = apart.length_squared();
+        if squared < reach {
+            look(b, apart, squared);
+        }
     }
 }
 

@@ -46,8 +46,8 @@ fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
         // Of one iteration: position and change of pressure read, acceleration written; position and acceleration read, four
         // values of the iteration read, four written.
         StageKind::DivergenceSolve | StageKind::DensitySolve => 16 + 12 + 24 + 16 + 16,
-        // Those beside bodies only.
-        StageKind::BodyDensity | StageKind::BodyDrag => 0,
+        // Those beside bodies or walls only.
+        StageKind::BodyDensity | StageKind::WallDensity | StageKind::BodyDrag => 0,
         // Position and pressure term read near the bodies.
         StageKind::BodyLoad => 16,
         // Position, velocity and acceleration read, position and velocity written.

@@ -126,6 +126,8 @@ pub struct CpuSolver {
     /// Whose past the particles have.
     integrator: Integrator,
     walls: SortedSamples,
+    /// Slots of quasi-fluid walls that are one task.
+    wall_slots: Vec<Range<usize>>,
     /// Of plans whose walls are not in the sums, in which case those above are none.
     pushing_walls: PushingWalls,
     body_samples: BodySamples,
@@ -245,6 +247,7 @@ impl CpuSolver {
             last_substep: 0.0,
             integrator: Integrator::default(),
             walls: SortedSamples::default(),
+            wall_slots: Vec::new(),
             pushing_walls: PushingWalls::default(),
             body_samples: BodySamples::default(),
             workers,
@@ -301,6 +304,7 @@ impl CpuSolver {
         // What an earlier plan had and this one has not takes no memory.
         let boundary = &self.plan.boundary;
         self.walls = SortedSamples::default();
+        self.wall_slots = Vec::new();
         self.pushing_walls = PushingWalls::of(&self.plan);
         if self.plan.sums_walls() {
             self.walls.sort(&self.plan.grid, &boundary.positions, &boundary.volumes);
@@ -383,7 +387,8 @@ impl CpuSolver {
             self.schedule.buffers.push(schedule::buffer("before", self.before.bytes(), true));
         }
         if !self.plan.boundary.positions.is_empty() {
-            let bytes = self.walls.bytes() + self.pushing_walls.bytes();
+            let slots = (size_of::<Range<usize>>() * self.wall_slots.capacity()) as u64;
+            let bytes = self.walls.bytes() + self.pushing_walls.bytes() + slots;
             self.schedule.buffers.push(schedule::buffer("walls", bytes, false));
         }
         if !self.plan.bodies.is_empty() {
@@ -544,7 +549,7 @@ impl CpuSolver {
         if self.plan.has(StageKind::Support) {
             tally.timed("support", || self.support_stage());
         }
-        let compression = tally.timed("density", || self.density_stage());
+        let mut compression = tally.timed("density", || self.density_stage());
         if self.plan.has(StageKind::PositionSolve)
             && let Some((solved, residual)) = tally.timed("position_solve", || self.position_solve_stage())
         {
@@ -554,6 +559,10 @@ impl CpuSolver {
         }
         if self.plan.has(StageKind::BodyDensity) {
             tally.timed("body_density", || self.body_density_stage());
+        }
+        if self.plan.has(StageKind::WallDensity) {
+            let with_images = tally.timed("wall_density", || self.wall_density_stage());
+            compression = with_images.unwrap_or(compression);
         }
         let mut maxima = tally.timed("acceleration", || self.acceleration_stage());
         if self.plan.has(StageKind::WallForce) {

@@ -105,6 +105,9 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     if !plan.boundary.faces.is_empty() {
         need(Binding::WallFaces, bytes(16, plan.boundary.faces.len()), state);
     }
+    if !plan.boundary.own_densities.is_empty() {
+        need(Binding::WallDensities, bytes(8, plan.boundary.own_densities.len()), state);
+    }
     if !plan.bodies.is_empty() {
         let bodies = plan.bodies.len();
         need(Binding::Bodies, bytes(size_of::<BodyRecord>(), bodies), state);
@@ -149,6 +152,7 @@ impl Buffers {
             buffers.write_samples(queue, &[walls.samples, walls.velocities].concat());
             buffers.write(queue, Binding::WallFrictions, &walls.frictions);
             buffers.write(queue, Binding::WallFaces, &walls.faces);
+            buffers.write(queue, Binding::WallDensities, &walls.densities);
             buffers.write_at(queue, Binding::CellStarts, 4 * u64::from(tables.wall_starts), &walls.starts);
         }
         if !plan.bodies.is_empty() {

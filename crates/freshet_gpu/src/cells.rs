@@ -86,6 +86,8 @@ pub(crate) struct SortedWalls {
     pub frictions: Vec<[f32; 2]>,
     /// Normals of their faces, and how far behind they lie, m; empty if the plan does not need them.
     pub faces: Vec<[f32; 4]>,
+    /// What they add to each other's densities, over that at rest, and no pressure; empty but for quasi-fluid.
+    pub densities: Vec<[f32; 2]>,
     /// First sample of each cell, with the bit [`NEAR_WALLS`].
     pub starts: Vec<u32>,
 }
@@ -132,5 +134,8 @@ pub(crate) fn sort_walls(plan: &Plan) -> SortedWalls {
         normal.extend(depth).to_array()
     };
     let faces = if plan.boundary.faces.is_empty() { Vec::new() } else { order.iter().map(face).collect() };
-    SortedWalls { samples: order.iter().map(sample).collect(), velocities: moving, frictions, faces, starts }
+    let density = |&k: &usize| [plan.boundary.own_densities[k], 0.0];
+    let densities =
+        if plan.boundary.own_densities.is_empty() { Vec::new() } else { order.iter().map(density).collect() };
+    SortedWalls { samples: order.iter().map(sample).collect(), velocities: moving, frictions, faces, densities, starts }
 }

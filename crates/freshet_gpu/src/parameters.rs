@@ -54,6 +54,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         }
         _ => DivergenceFree::default(),
     };
+    let (wall_depth, wall_viscosity) = p.sticking();
     let strength = f64::from(p.wall_strength);
     let (wall_strength, wall_damping) = match p.wall_method {
         WallMethod::KernelForcing => ((strength * value_scale) as f32, 0.0),
@@ -82,8 +83,15 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
             / p.kernel.normalisation()) as f32,
         xsph_scale: (2.0 * f64::from(p.xsph) * mass * density) as f32,
         pair_viscosity: (2.0 * viscosity * f64::from(p.gradient_calibration) / f64::from(p.viscous_calibration)) as f32,
-        wall_viscosity: p.dynamic_viscosity,
-        wall_depth: p.boundary_depth,
+        wall_viscosity,
+        wall_depth,
+        wall_relative_density: match p.wall_method {
+            WallMethod::QuasiFluid(walls) => walls.relative_density(),
+            _ => 1.0,
+        },
+        wall_reach: p.wall_method.reach_of_planes(p.spacing, p.support_radius)[0],
+        body_depth: p.boundary_depth,
+        body_viscosity: p.dynamic_viscosity,
         nearest_wall: 0.25 * p.spacing,
         bounds_max: p.bounds_max,
         inverse_support_radius: (1.0 / radius) as f32,

@@ -36,11 +36,13 @@ pub(crate) enum Arguments {
     Pushes,
     /// A group for each body in an iteration of a divergence solve.
     Answers,
+    /// A thread for each sample of a wall.
+    WallSamples,
 }
 
 impl Arguments {
     /// Number of indirect dispatches; the arguments of drawing come after them.
-    pub const COUNT: u32 = 11;
+    pub const COUNT: u32 = 12;
 
     /// Offset in bytes.
     pub fn offset(self) -> u64 {
@@ -354,6 +356,7 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(solves, uses, &[(B::Solves, Write)]);
             let uses = with(true, uses, &[(B::Accelerations, Write), (B::Hits, Read)]);
             let uses = with(plan.has(StageKind::Support), uses, &[(B::Widths, Read)]);
+            let uses = with(!plan.boundary.own_densities.is_empty(), uses, &[(B::WallDensities, Read)]);
             vec![with_words(3, pass("acceleration", passes::ACCELERATION, Arguments::Particles, &uses))]
         }
         StageKind::PositionSolve => {
@@ -417,6 +420,17 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 (B::SortedPositions, Read),
                 (B::Samples, Write),
             ],
+        )],
+        StageKind::WallDensity if plan.boundary.own_densities.is_empty() => {
+            let uses = with(faces, neighbours.to_vec(), &[(B::Samples, Read), (B::WallFaces, Read)]);
+            let more = [(B::Accelerations, Read), (B::SortedVelocities, Write), (B::Densities, Write)];
+            vec![pass("wall_density", passes::WALL_DENSITY, Arguments::Particles, &with(true, uses, &more))]
+        }
+        StageKind::WallDensity => vec![pass(
+            "wall_density",
+            passes::WALL_DENSITY,
+            Arguments::WallSamples,
+            &[(B::SortedPositions, Read), (B::CellStarts, Read), (B::Samples, Read), (B::WallDensities, Write)],
         )],
         StageKind::WallForce => {
             let uses = with(true, neighbours.to_vec(), &[(B::Samples, Read), (B::SortedVelocities, Read)]);

@@ -11,7 +11,7 @@ use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::SolverError;
 use freshet_core::variable_support::EVALUATIONS;
-use freshet_core::wall_method::{Plane, Reflection, WallMethod};
+use freshet_core::wall_method::{Reflection, WallMethod};
 use freshet_shaders::library;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 use wgpu::naga;
@@ -61,13 +61,16 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("ARGUMENTS_DENSITY", Arguments::Density as u32);
     number("ARGUMENTS_PUSHES", Arguments::Pushes as u32);
     number("ARGUMENTS_ANSWERS", Arguments::Answers as u32);
+    number("ARGUMENTS_WALL_SAMPLES", Arguments::WallSamples as u32);
     number("ARGUMENTS_DRAW", 3 * Arguments::COUNT);
     number("SOLVE_WORDS", solve_words(plan));
     number("HISTORY_WORDS", history_words(plan) as u32);
     number("PAST_WORDS", past_words(plan) as u32);
     number("WIDTH_EVALUATIONS", EVALUATIONS);
-    number("WALL_LATERAL_PERCENT", (100.0 * Plane::LATERAL_REACH).round() as u32);
-    number("WALL_REACH_PERCENT", (100.0 * Plane::REACH).round() as u32);
+    let [_, beside] = parameters.wall_method.reach_of_planes(1.0, parameters.support_radius / parameters.spacing);
+    number("WALL_LATERAL_PERCENT", (100.0 * beside).round() as u32);
+    let contact = parameters.wall_method.collision().map_or(0.0, |(_, contact)| contact);
+    number("WALL_CONTACT_PERCENT", (100.0 * contact).round() as u32);
 
     let mut set = |name: &str| definitions.insert(name.to_owned(), ShaderDefValue::Bool(true));
     let walls = plan.sums_walls();
@@ -89,12 +92,14 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("XSPH_DRIFT", parameters.xsph > 0.0),
         ("WIDTHS", parameters.widest_support > 1.0),
         ("MORRIS_VISCOSITY", parameters.dynamic_viscosity > 0.0),
-        ("DRAGGING_WALLS", drag == WallDrag::Artificial),
-        ("STICKING_WALLS", drag == WallDrag::Morris),
+        ("DRAGGING_WALLS", walls && drag == WallDrag::Artificial),
+        ("STICKING_WALLS", walls && drag == WallDrag::Morris),
         ("MOVING_WALLS", moving_walls(plan)),
         ("INCOMPRESSIBLE", incompressible(plan)),
         ("SAMPLE_ARMS", sample_arms(plan)),
         ("QUASI_FLUID", plan.has(StageKind::BodyDensity)),
+        ("QUASI_FLUID_WALLS", !plan.boundary.own_densities.is_empty()),
+        ("WALL_GHOSTS", parameters.wall_method == WallMethod::Ghosts && plan.has(StageKind::WallDensity)),
         ("STICKING_BODIES", plan.has(StageKind::BodyDrag)),
         ("PERIODIC", plan.grid.periodic.any()),
         ("HISTORIES", history_words(plan) > 0),

@@ -9,6 +9,7 @@ use freshet_core::pressure_poisson::PressurePoisson;
 use freshet_core::pressure_solver::{DivergenceFree, PressureSolver};
 use freshet_core::scene::FluidScene;
 use freshet_core::viscosity::ViscosityModel;
+use freshet_core::wall_method::{QuasiFluid, WallMethod};
 
 /// Value of `--method`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, ValueEnum)]
@@ -20,6 +21,8 @@ pub enum Method {
     Mueller,
     /// The same as the default with densities that particles carry.
     Continuity,
+    /// The same as the default between walls of quasi-fluid.
+    QuasiFluidWalls,
     /// Particles moved apart, with the default number of iterations.
     PositionBased,
     /// Pressures corrected by what velocities compress, with the default number of iterations.
@@ -42,6 +45,7 @@ impl Method {
             Self::WeaklyCompressible => "WCSPH",
             Self::Mueller => "WCSPH, Mueller's force",
             Self::Continuity => "WCSPH, continuity",
+            Self::QuasiFluidWalls => "WCSPH, quasi-fluid walls",
             Self::PositionBased => "position-based",
             Self::PressureCorrected => "pressure-corrected",
             Self::Poisson => "pressure Poisson",
@@ -56,6 +60,7 @@ impl Method {
             Self::WeaklyCompressible => "",
             Self::Mueller => "_mueller",
             Self::Continuity => "_continuity",
+            Self::QuasiFluidWalls => "_quasi_fluid_walls",
             Self::PositionBased => "_position_based",
             Self::PressureCorrected => "_pressure_corrected",
             Self::Poisson => "_poisson",
@@ -66,7 +71,7 @@ impl Method {
 
     /// Whether pressure follows from density.
     pub fn is_weakly_compressible(self) -> bool {
-        matches!(self, Self::WeaklyCompressible | Self::Mueller | Self::Continuity)
+        matches!(self, Self::WeaklyCompressible | Self::Mueller | Self::Continuity | Self::QuasiFluidWalls)
     }
 
     /// The option that asks for it, with a space before; nothing for the default.
@@ -79,7 +84,9 @@ impl Method {
     /// The scene, simulated so.
     pub fn on(self, mut scene: FluidScene) -> FluidScene {
         scene.settings.pressure_solver = match self {
-            Self::WeaklyCompressible | Self::Mueller | Self::Continuity => PressureSolver::WeaklyCompressible,
+            Self::WeaklyCompressible | Self::Mueller | Self::Continuity | Self::QuasiFluidWalls => {
+                PressureSolver::WeaklyCompressible
+            }
             Self::PositionBased => PressureSolver::PositionBased(PositionBased::default()),
             Self::PressureCorrected => PressureSolver::PressureCorrected(PressureCorrected::default()),
             Self::Poisson => PressureSolver::PressurePoisson(PressurePoisson::default()),
@@ -90,6 +97,9 @@ impl Method {
         }
         if self == Self::Continuity {
             scene.settings.density = DensityForm::Continuity;
+        }
+        if self == Self::QuasiFluidWalls {
+            scene.settings.wall_method = WallMethod::QuasiFluid(QuasiFluid::Adapted);
         }
         if self == Self::WaterAlone {
             scene.settings.artificial_viscosity = 0.0;

@@ -1,16 +1,26 @@
 //! What walls do to a fluid, as Bevy can reflect it.
 
 use bevy::prelude::*;
-use freshet_core::wall_method::{Penalty, Reflection, SpringDamper, WallMethod};
+use freshet_core::wall_method::{Penalty, QuasiFluid, Reflection, SpringDamper, WallMethod};
 
 /// How the walls of a domain that stand still act on its fluid; formulas, sources and what each is for stand at [`WallMethod`]. Those that
 /// [move](super::wall::FluidWallMotion) are in the sums whatever it says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Default, Clone, Debug, PartialEq)]
 pub enum FluidWallMethod {
-    /// In the sums of the fluid, by volume weights (Akinci et al. 2012). The others are for weakly compressible fluids, and fluid slips along them.
+    /// In the sums of the fluid, by volume weights (Akinci et al. 2012). The others are for weakly compressible fluids, and fluid slips along them but for those of
+    /// quasi-fluid and images.
     #[default]
     VolumeWeights,
+    /// In the sums of the fluid, by three layers of samples with densities and pressures of their own, each counted as a particle.
+    QuasiFluid,
+    /// The same, each counted with its mass.
+    PlainQuasiFluid {
+        /// Density of the walls over that of the fluid at rest, 0.1 to 10.
+        relative_density: f32,
+    },
+    /// Mirror images of the fluid behind plane faces; walls of other shapes are refused.
+    Ghosts,
     /// Forces of Lennard and Jones.
     LennardJones,
     /// Forces after the kernel.
@@ -74,6 +84,11 @@ impl From<FluidWallMethod> for WallMethod {
     fn from(method: FluidWallMethod) -> Self {
         match method {
             FluidWallMethod::VolumeWeights => Self::VolumeWeights,
+            FluidWallMethod::QuasiFluid => Self::QuasiFluid(QuasiFluid::Adapted),
+            FluidWallMethod::PlainQuasiFluid { relative_density } => {
+                Self::QuasiFluid(QuasiFluid::Plain { relative_density })
+            }
+            FluidWallMethod::Ghosts => Self::Ghosts,
             FluidWallMethod::LennardJones => Self::LennardJones,
             FluidWallMethod::KernelForcing => Self::KernelForcing,
             FluidWallMethod::MonaghanRepulsion => Self::MonaghanRepulsion,
@@ -91,6 +106,11 @@ impl From<WallMethod> for FluidWallMethod {
     fn from(method: WallMethod) -> Self {
         match method {
             WallMethod::VolumeWeights => Self::VolumeWeights,
+            WallMethod::QuasiFluid(QuasiFluid::Adapted) => Self::QuasiFluid,
+            WallMethod::QuasiFluid(QuasiFluid::Plain { relative_density }) => {
+                Self::PlainQuasiFluid { relative_density }
+            }
+            WallMethod::Ghosts => Self::Ghosts,
             WallMethod::LennardJones => Self::LennardJones,
             WallMethod::KernelForcing => Self::KernelForcing,
             WallMethod::MonaghanRepulsion => Self::MonaghanRepulsion,

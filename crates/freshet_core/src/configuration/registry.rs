@@ -11,8 +11,9 @@ use crate::pressure_corrected::{PressureCorrected, PressureGradient};
 use crate::pressure_force::PressureForce;
 use crate::pressure_poisson::PressurePoisson;
 use crate::pressure_solver::{DivergenceFree, PressureSolver};
+use crate::relaxation::Relaxation;
 use crate::scene::{FluidScene, Support};
-use crate::wall_method::{Penalty, SpringDamper, WallMethod};
+use crate::wall_method::{Penalty, QuasiFluid, SpringDamper, WallMethod};
 
 const fn of(
     family: Family,
@@ -375,6 +376,30 @@ pub const CONFIGURATIONS: &[Configuration] = &[
         |scene, _| scene.settings.density = DensityForm::AdaptedContinuity,
         "the same, carried",
         "with one mass it is continuity: the same pass",
+    ),
+    of(
+        Walls,
+        "quasi-fluid-walls",
+        |scene, _| scene.settings.wall_method = WallMethod::QuasiFluid(QuasiFluid::Adapted),
+        "walls that fluid meets as it meets itself (Pirovano 2011)",
+        "three times the samples, whose densities are summed in each substep",
+    ),
+    of(
+        Walls,
+        "quasi-fluid-walls-plain",
+        |scene, _| {
+            scene.settings.wall_method = WallMethod::QuasiFluid(QuasiFluid::PLAIN);
+            scene.settings.relaxation = Some(Relaxation::default());
+        },
+        "comparison with the form that is not adapted: walls twice as dense as the fluid",
+        "fluid stands off the walls, and is thrown off them where it has not settled before",
+    ),
+    of(
+        Walls,
+        "ghost-particles",
+        |scene, _| scene.settings.wall_method = WallMethod::Ghosts,
+        "tanks: plane walls behind which the fluid is its own mirror image (Randles & Libersky 1996)",
+        "walls of any other shape, which it refuses",
     ),
     of(
         Walls,

@@ -7,9 +7,11 @@ use crate::error::InvalidInput;
 use crate::grid::Grid;
 use crate::integrator::Integrator;
 use crate::periodic::{AXES, Periodic};
+use crate::pressure_force::PressureForce;
 use crate::pressure_solver::PressureSolver;
 use crate::scene::{Body, BodySampling, Boundary, BoundaryShape, FluidScene, FluidSide, MAX_PARTICLES, side_of};
 use crate::wall_method::WallMethod;
+use crate::wall_method::ghosts::RIGHT;
 
 /// Refuses particles so far from the origin that `f32` cannot tell a sixty-fourth of their spacing.
 pub(super) fn check_precision(corner: Vec3, spacing: f32) -> Result<(), InvalidInput> {
@@ -79,22 +81,26 @@ pub(super) fn check_friction(scene: &FluidScene) -> Result<(), InvalidInput> {
 }
 
 /// Refuses boundaries that have what the walls' method does not.
-pub(super) fn check_wall_method(scene: &FluidScene) -> Result<(), InvalidInput> {
+pub(super) fn check_wall_method(scene: &FluidScene, support_radius: f32) -> Result<(), InvalidInput> {
     let method = scene.settings.wall_method;
-    if method.is_in_sums() {
+    if method == WallMethod::VolumeWeights {
         return Ok(());
     }
     let with = format!("with a settings.wall_method of {}", method.name());
-    if scene.settings.relaxation.is_some() {
+    if matches!(method, WallMethod::QuasiFluid(_)) && scene.settings.widest_support != 1.0 {
+        let widest = scene.settings.widest_support;
+        return Err(InvalidInput::new("settings.widest_support", widest, format_args!("1, {with}")));
+    }
+    if scene.settings.relaxation.is_some() && !method.is_in_sums() {
         let allowed = format!("none, {with}: particles settle by the sums of densities");
         return Err(InvalidInput::new("settings.relaxation", "Some", allowed));
     }
-    if matches!(method, WallMethod::Penalty(_)) && scene.settings.redo_substeps {
+    if method.collides() && scene.settings.redo_substeps {
         let allowed = format!("false, {with}: it changes what a shorter substep is judged by");
         return Err(InvalidInput::new("settings.redo_substeps", true, allowed));
     }
     let integrator = scene.settings.integrator;
-    if matches!(method, WallMethod::Penalty(_)) && integrator != Integrator::default() {
+    if method.collides() && integrator != Integrator::default() {
         let allowed = format!(
             "{}, with a settings.wall_method of {}: others remember motions that a wall changes",
             Integrator::default().name(),
@@ -102,22 +108,102 @@ pub(super) fn check_wall_method(scene: &FluidScene) -> Result<(), InvalidInput> 
         );
         return Err(InvalidInput::new("settings.integrator", integrator.name(), allowed));
     }
+    if method == WallMethod::Ghosts {
+        check_ghosts(scene, support_radius)?;
+    }
     for (index, boundary) in scene.boundaries.iter().enumerate() {
         let refused = |field: &str, value: &dyn std::fmt::Display, allowed: &str| {
             let allowed = format!("{allowed}, with a settings.wall_method of {}", method.name());
             Err(InvalidInput::new(format_args!("boundaries[{index}].{field}"), value, allowed))
         };
-        if boundary.velocity != Vec3::ZERO {
+        if boundary.velocity != Vec3::ZERO && !method.is_in_sums() {
             return refused("velocity", &boundary.velocity, "zero");
         }
         if boundary.friction.is_some() && !method.has_friction() {
             return refused("friction.at_rest", &boundary.friction.at_rest, "0");
         }
-        if method.needs_faces() && has_two_sides(boundary) {
+        if (method.needs_faces() || method.is_in_sums()) && has_two_sides(boundary) {
             return refused("shape.fluid", &"Both", "Inside or Outside");
         }
     }
     Ok(())
+}
+
+/// Refuses ghost particles with what has no image, and where images would stand in each other's fluid.
+fn check_ghosts(scene: &FluidScene, support_radius: f32) -> Result<(), InvalidInput> {
+    let settings = &scene.settings;
+    let with = "with a settings.wall_method of ghost particles: their pairs have pressure and viscosity only";
+    for (field, value, least) in [
+        ("settings.widest_support", settings.widest_support, 1.0),
+        ("settings.near_pressure", settings.near_pressure, 0.0),
+        ("settings.tensile_correction", settings.tensile_correction, 0.0),
+    ] {
+        if value > least {
+            return Err(InvalidInput::new(field, value, format_args!("{least}, {with}")));
+        }
+    }
+    if settings.pressure_force != PressureForce::Monaghan {
+        let name = settings.pressure_force.name();
+        return Err(InvalidInput::new("settings.pressure_force", name, format_args!("Monaghan, {with}")));
+    }
+    let mut axes: Vec<(usize, Vec3)> = Vec::new();
+    for (index, boundary) in scene.boundaries.iter().enumerate() {
+        let of_boundary = match boundary.shape {
+            BoundaryShape::Container { half_extents, open } => {
+                let closed = |&axis: &usize| !open[2 * axis] && !open[2 * axis + 1];
+                let narrow = |&axis: &usize| half_extents[axis] < support_radius;
+                if let Some(axis) = (0..3).filter(closed).find(narrow) {
+                    let field = format_args!("boundaries[{index}].shape.half_extents.{}", AXES[axis]).to_string();
+                    let allowed = format!(
+                        "at least {support_radius} m, the support radius, with a settings.wall_method of ghost particles"
+                    );
+                    return Err(InvalidInput::new(field, half_extents[axis], allowed));
+                }
+                Vec3::AXES.to_vec()
+            }
+            BoundaryShape::Plane { .. } | BoundaryShape::HalfSpace { .. } => vec![Vec3::Y],
+            _ => {
+                let allowed = "Container, HalfSpace or Plane, with a settings.wall_method of ghost particles: images in a face that \
+                               is curved, or has an edge the fluid goes round, stand in the fluid or leave gaps";
+                return Err(InvalidInput::new(
+                    format_args!("boundaries[{index}].shape"),
+                    shape_name(&boundary.shape),
+                    allowed,
+                ));
+            }
+        };
+        for axis in of_boundary {
+            let axis = boundary.rotation * axis;
+            let slanted = |cosine: f32| cosine > RIGHT && cosine < 0.9999;
+            if let Some((other, known)) = axes.iter().find(|(_, known)| slanted(known.dot(axis).abs())) {
+                let value = format!(
+                    "a face {:.1} degrees from one of boundaries[{other}]",
+                    known.angle_between(axis).to_degrees()
+                );
+                let allowed = "0 or 90 degrees, with a settings.wall_method of ghost particles: other edges have no images of images";
+                return Err(InvalidInput::new(format_args!("boundaries[{index}].rotation"), value, allowed));
+            }
+            axes.push((index, axis));
+        }
+    }
+    Ok(())
+}
+
+fn shape_name(shape: &BoundaryShape) -> &'static str {
+    match shape {
+        BoundaryShape::Container { .. } => "Container",
+        BoundaryShape::Box { .. } => "Box",
+        BoundaryShape::Sphere { .. } => "Sphere",
+        BoundaryShape::Cylinder { .. } => "Cylinder",
+        BoundaryShape::Capsule { .. } => "Capsule",
+        BoundaryShape::Cone { .. } => "Cone",
+        BoundaryShape::Cup { .. } => "Cup",
+        BoundaryShape::ConvexHull { .. } => "ConvexHull",
+        BoundaryShape::Mesh { .. } => "Mesh",
+        BoundaryShape::HeightField { .. } => "HeightField",
+        BoundaryShape::Plane { .. } => "Plane",
+        BoundaryShape::HalfSpace { .. } => "HalfSpace",
+    }
 }
 
 /// Whether there is fluid on both sides of a boundary's surface.

@@ -122,7 +122,7 @@ impl Plan {
         check_moved_apart(scene)?;
         check_relaxation(scene)?;
         check_friction(scene)?;
-        check_wall_method(scene)?;
+        check_wall_method(scene, support_radius)?;
 
         for (index, emitter) in scene.emitters.iter().enumerate() {
             emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;

@@ -203,6 +203,17 @@ impl Parameters {
         4.0 * self.support_radius
     }
 
+    /// How far behind its face the samples of a wall lie that fluid sticks to, m, and the viscosity between them and the fluid, Pa s. A single layer
+    /// stands for twice the gradient of the fluid that it replaces, see [`wall_layer`](crate::sampling::wall_layer); one of three that weighs what fluid does for once.
+    pub fn sticking(&self) -> (f32, f32) {
+        match self.wall_method {
+            WallMethod::QuasiFluid(walls) => {
+                (0.5 * self.spacing, 2.0 * self.dynamic_viscosity / walls.relative_density())
+            }
+            _ => (self.boundary_depth, self.dynamic_viscosity),
+        }
+    }
+
     /// The kernel on the support radius.
     pub fn kernel(&self) -> Result<Kernel, InvalidInput> {
         Kernel::new(self.kernel, self.support_radius)

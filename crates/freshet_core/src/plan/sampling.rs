@@ -23,7 +23,8 @@ use crate::wall_method::{Face, WallMethod, face_of};
 pub struct PlannedBoundary {
     /// Positions, m.
     pub positions: Vec<Vec3>,
-    /// Volume weights of samples that are in the sums, m3; else the volume of a particle.
+    /// Volume weights of samples that are in the sums, m3, those of [quasi-fluid](crate::wall_method::QuasiFluid) times their relative density; else the
+    /// volume of a particle.
     pub volumes: Vec<f32>,
     /// Whether the fluid's viscosity acts between it and the sample.
     pub viscous: Vec<bool>,
@@ -33,6 +34,9 @@ pub struct PlannedBoundary {
     pub frictions: Vec<[f32; 2]>,
     /// The faces they stand for; empty if the method does not need them.
     pub faces: Vec<Face>,
+    /// What the walls' own samples add to the density of each, over that of the walls at rest, no unit; empty but for
+    /// [quasi-fluid](crate::wall_method::QuasiFluid).
+    pub own_densities: Vec<f32>,
     /// Where walls are solid, in world coordinates.
     pub solids: Vec<Solid>,
 }
@@ -122,19 +126,28 @@ pub(super) fn sample_boundaries(
     let mut planned = PlannedBoundary::default();
     let samples_layer = layer.of_method(method);
     for (index, boundary) in boundaries.iter().enumerate() {
-        let samples = sample_boundary(boundary, &samples_layer)
-            .map_err(|error| located(error, format_args!("boundaries[{index}]")))?;
+        let in_layers = matches!(method, WallMethod::QuasiFluid(_));
+        let (samples, layers) = match in_layers {
+            true => sample_layers(boundary, layer),
+            false => sample_boundary(boundary, &samples_layer).map(|samples| (samples, [0; 3])),
+        }
+        .map_err(|error| located(error, format_args!("boundaries[{index}]")))?;
         check_walls_within(periodic, index, &samples, spacing)?;
-        planned
-            .viscous
-            .extend(samples.iter().map(|&sample| method.is_in_sums() && is_viscous(boundary, layer, sample)));
+        // Of several layers the first, which is next to the fluid.
+        let next_to_fluid = if in_layers { layers[0] as usize } else { samples.len() };
+        planned.viscous.extend(samples.iter().enumerate().map(|(index, &sample)| match method {
+            WallMethod::Ghosts => boundary.viscous_faces[face_index(boundary, face_of(boundary, layer, sample).normal)],
+            _ => method.is_in_sums() && index < next_to_fluid && is_viscous(boundary, &samples_layer, sample),
+        }));
         if planned.positions.len() + samples.len() > MAX_PARTICLES as usize {
             return Err(too_many((planned.positions.len() + samples.len()) as f64).into());
         }
-        if method.is_in_sums() {
-            planned.volumes.extend(layer.volumes_among(&samples, periodic));
-        } else {
-            planned.volumes.extend(samples.iter().map(|_| spacing.powi(3)));
+        match method {
+            WallMethod::VolumeWeights => planned.volumes.extend(layer.volumes_among(&samples, periodic)),
+            WallMethod::QuasiFluid(_) => {
+                planned.volumes.extend(quasi_fluid::volumes(&samples, layers, layer, periodic));
+            }
+            _ => planned.volumes.extend(samples.iter().map(|_| spacing.powi(3))),
         }
         if method.needs_faces() {
             planned.faces.extend(samples.iter().map(|&sample| face_of(boundary, layer, sample)));
@@ -148,6 +161,11 @@ pub(super) fn sample_boundaries(
         }
         planned.positions.extend(samples);
         planned.solids.extend(boundary.solids(layer));
+    }
+    if let WallMethod::QuasiFluid(walls) = method {
+        let PlannedBoundary { positions, volumes, own_densities, .. } = &mut planned;
+        *own_densities = quasi_fluid::thin_out(positions, volumes, layer, periodic);
+        volumes.iter_mut().for_each(|volume| *volume *= walls.relative_density());
     }
     Ok(planned)
 }
@@ -226,6 +244,35 @@ pub fn sample_boundary(boundary: &Boundary, layer: &WallLayer) -> Result<Vec<Vec
     Ok(local.into_iter().map(|point| boundary.rotation * point + boundary.center).collect())
 }
 
+/// Three layers of samples of one boundary, in world coordinates, and how many each has: without those that have no room where it is thin.
+fn sample_layers(boundary: &Boundary, layer: &WallLayer) -> Result<(Vec<Vec3>, [u32; 3]), InvalidInput> {
+    let layers = layer.quasi_fluid();
+    // Walls that nothing is behind are as thick as they have to be.
+    let solids = match boundary.shape {
+        BoundaryShape::Container { .. } | BoundaryShape::Plane { .. } | BoundaryShape::HalfSpace { .. } => None,
+        _ => Some(boundary.solids(&layers[2])),
+    };
+    let (mut all, mut counts) = (Vec::new(), [0; 3]);
+    for (index, of_layer) in layers.iter().enumerate() {
+        let mut samples = sample_boundary(boundary, of_layer)?;
+        if let Some(solids) = &solids {
+            samples.retain(|&sample| quasi_fluid::has_room(index, sample, solids, layer.spacing()));
+        }
+        counts[index] = samples.len() as u32;
+        all.extend(samples);
+    }
+    Ok((all, counts))
+}
+
+/// The index among [`Boundary::viscous_faces`] of the face of a plane, a half-space or a container whose normal, to the fluid, is given.
+fn face_index(boundary: &Boundary, normal: Vec3) -> usize {
+    let local = boundary.rotation.conjugate() * normal;
+    let axis = local.abs().max_position();
+    // The fluid is inside of a container: its upper faces look down.
+    let inside = matches!(boundary.shape, BoundaryShape::Container { .. });
+    2 * axis + usize::from((local[axis] > 0.0) != inside)
+}
+
 /// Whether a sample lies behind a viscous face.
 fn is_viscous(boundary: &Boundary, layer: &WallLayer, sample: Vec3) -> bool {
     let local = boundary.rotation.conjugate() * (sample - boundary.center);
@@ -263,8 +310,9 @@ pub(super) fn plan_body(
     let (volumes, own_densities) = match body.sampling {
         BodySampling::SingleLayer => (layer.volumes(&body.samples), Vec::new()),
         BodySampling::QuasiFluid { layers } => {
-            let volumes = quasi_fluid::volumes(&body.samples, layers, layer);
-            let own = quasi_fluid::own_densities(&body.samples, &volumes, layer.kernel(), layer.spacing());
+            let alone = Periodic::default();
+            let volumes = quasi_fluid::volumes(&body.samples, layers, layer, &alone);
+            let own = quasi_fluid::own_densities(&body.samples, &volumes, layer, &alone);
             (volumes, own)
         }
     };

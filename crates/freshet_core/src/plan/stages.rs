@@ -28,6 +28,8 @@ pub enum StageKind {
     PositionSolve,
     /// Density and pressure of the bodies' samples.
     BodyDensity,
+    /// Density and pressure of the walls' samples; what images of the fluid in the walls add to its densities.
+    WallDensity,
     /// Acceleration by pressure, viscosity and gravity.
     Acceleration,
     /// What walls push by forces of their own.
@@ -64,6 +66,7 @@ impl StageKind {
             StageKind::Density => "density",
             StageKind::PositionSolve => "position_solve",
             StageKind::BodyDensity => "body_density",
+            StageKind::WallDensity => "wall_density",
             StageKind::Acceleration => "acceleration",
             StageKind::WallForce => "wall_force",
             StageKind::BodyDrag => "body_drag",
@@ -152,6 +155,18 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     if bodies.iter().any(|body| !body.own_densities.is_empty()) {
         add(StageKind::BodyDensity, "bodies are sampled by quasi-fluid, which has densities and pressures of its own");
     }
+    if walls && matches!(method, WallMethod::QuasiFluid(_)) {
+        let name = method.name();
+        let what = format!("settings.wall_method is {name}: walls have densities and pressures of their own");
+        add(StageKind::WallDensity, &what);
+    }
+    if walls && method == WallMethod::Ghosts {
+        let name = method.name();
+        add(
+            StageKind::WallDensity,
+            &format!("settings.wall_method is {name}: images of the fluid stand in its densities"),
+        );
+    }
     let pressure = match (incompressible, scene.settings.pressure_force) {
         _ if by_positions.is_some() => "no pressure",
         (Some(_), _) => "pressure of the last substep",
@@ -170,6 +185,13 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         add(
             StageKind::WallForce,
             &format!("settings.wall_method is {name}: walls push by it alone, and fluid slips along them"),
+        );
+    }
+    if walls && method == WallMethod::Ghosts {
+        let name = method.name();
+        add(
+            StageKind::WallForce,
+            &format!("settings.wall_method is {name}: images of the fluid push and drag as it does"),
         );
     }
     if let Some(model) = scene.physical_viscosity().filter(|_| !bodies.is_empty()) {
@@ -220,12 +242,13 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     let repeats = if scene.periodic.any() { "; the domain repeats itself" } else { "" };
     let what = integrator.in_solvers().unwrap_or_default();
     add(StageKind::Integrate, &format!("{}: {what}{repeats}", integrator.name()));
-    if walls && matches!(method, WallMethod::Penalty(_)) {
+    if walls && method.collides() {
         let name = method.name();
-        add(
-            StageKind::WallCollision,
-            &format!("settings.wall_method is {name}: walls put back what got into them, and do nothing else"),
-        );
+        let what = match method {
+            WallMethod::Ghosts => "walls put back what has no pressure against its own image",
+            _ => "walls put back what got into them, and do nothing else",
+        };
+        add(StageKind::WallCollision, &format!("settings.wall_method is {name}: {what}"));
     }
     stages
 }

@@ -32,23 +32,23 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// How near a particle has to be to a sample, in spacings: from half a spacing before the face to more than one behind it.
+    /// How near a particle has to be to a sample half a spacing behind its face, in spacings: from half a spacing before the face to more than one behind it.
     pub const REACH: f32 = 1.3;
     /// How far beside a sample, in spacings, its face reaches: no point of a wall's layer is farther than 0.75 from a sample.
     pub const LATERAL_REACH: f32 = 0.8;
 
     /// The planes of a particle: that of the nearest sample, then of the nearest of those whose normal is 60 degrees or more from it, and so on.
-    /// A sample counts if the particle is within [`REACH`](Self::REACH) of it and within [`LATERAL_REACH`](Self::LATERAL_REACH) of its normal.
+    /// A sample counts if the particle is within `reach`, m, of it and within `beside`, m, of its normal.
     ///
     /// `samples` are their numbers, with the way from each to the particle, m, and at least all within that reach.
     pub fn among(
         samples: &[(usize, Vec3)],
         face: impl Fn(usize) -> Face,
-        spacing: f32,
+        [reach, beside]: [f32; 2],
     ) -> ([Self; MOST_PLANES], usize) {
         let none = Self { normal: Vec3::ZERO, distance: 0.0, sample: 0 };
         let (mut planes, mut count) = ([none; MOST_PLANES], 0);
-        let [reach, beside] = [Self::REACH, Self::LATERAL_REACH].map(|reach| (reach * spacing) * (reach * spacing));
+        let [reach, beside] = [reach, beside].map(|reach| reach * reach);
         while count < MOST_PLANES {
             let mut nearest = reach;
             let mut found = None;
@@ -157,7 +157,7 @@ mod tests {
         let all = faces(&Boundary::open_box(Vec3::ONE, Vec3::splat(0.5)))?;
         let planes = |at: Vec3| {
             let samples: Vec<_> = all.iter().enumerate().map(|(k, (sample, _))| (k, at - *sample)).collect();
-            Plane::among(&samples, |k| all[k].1, D)
+            Plane::among(&samples, |k| all[k].1, [Plane::REACH * D, Plane::LATERAL_REACH * D])
         };
         let (found, count) = planes(Vec3::splat(0.04));
         assert_eq!(count, 3);

@@ -23,7 +23,7 @@ impl WallMethod {
     pub fn strength(self, expected_speed: f32, sound_speed: f32, spacing: f32) -> f32 {
         let v_squared = expected_speed * expected_speed;
         match self {
-            Self::VolumeWeights | Self::Penalty(_) => 0.0,
+            Self::VolumeWeights | Self::QuasiFluid(_) | Self::Ghosts | Self::Penalty(_) => 0.0,
             Self::LennardJones => v_squared,
             Self::KernelForcing => 8.0 * v_squared * spacing * spacing,
             Self::MonaghanRepulsion => 0.01 * sound_speed * sound_speed,
@@ -51,7 +51,7 @@ impl WallMethod {
         }
     }
 
-    /// How far behind the face samples lie, m; none for those that are in the sums.
+    /// How far behind the face samples lie, m, of several layers the first; none for volume weights, whose depth follows from them.
     ///
     /// Averaged along a wall, they push what is half a spacing before the face as hard as the foot of a column pushes whose
     /// [expected speed](crate::plan::Parameters::expected_speed) is `v = 2 sqrt(g D)`: `g D/d = v^2/(4 d)`. Springs and collisions are at the face, and their samples half
@@ -64,7 +64,8 @@ impl WallMethod {
         let (d, reach) = (f64::from(spacing), kernel.support_radius());
         match self {
             Self::VolumeWeights => None,
-            Self::SpringDamper(_) | Self::Penalty(_) => Some(0.5 * spacing),
+            Self::Ghosts => Some(0.0),
+            Self::QuasiFluid(_) | Self::SpringDamper(_) | Self::Penalty(_) => Some(0.5 * spacing),
             Self::LennardJones | Self::KernelForcing | Self::MonaghanRepulsion => {
                 let strength = self.strength(1.0, 10.0, spacing);
                 let push_over_r =

@@ -2,7 +2,7 @@
 //!
 //! `a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k (P_a + Pi_ak) F x_ak ]`; `Pi_ab` after Monaghan 1992
 //! with beta = 0, for pairs that part as for pairs that approach (Monaghan 2005, section 8: a Newtonian viscosity). Walls and
-//! bodies act through the density they add (Akinci et al. 2012), quasi-fluid bodies by their own pressure `P_k` as well. `Pi_ak` is that of a particle at rest with the density of `a`,
+//! bodies act through the density they add (Akinci et al. 2012), quasi-fluid ones by their own pressure `P_k` as well. `Pi_ak` is that of a particle at rest with the density of `a`,
 //! for samples of viscous faces; elsewhere fluid slips freely. With a physical viscosity, see [`morris1997`](super::morris1997),
 //! that acts at viscous faces in its stead. Other forms of the pressure force: `freshet_core::pressure_force`.
 
@@ -138,8 +138,9 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: 
     fn with_simd<S: Simd>(self, simd: S) -> Maxima {
         let Task { inputs, chunk, workspace, candidates, acceleration: [ax, ay, az] } = self.0;
         let ([x, y, z], [vx, vy, vz]) = (&inputs.particles.position, &inputs.particles.velocity);
-        let Workspace { calm, dragging, sticking, viscous, wide, sums, wall_sums, .. } = workspace;
+        let Workspace { calm, moving, dragging, sticking, viscous, wide, sums, wall_sums, .. } = workspace;
         calm.begin(inputs.grid);
+        moving.begin(inputs.grid);
         dragging.begin(inputs.grid);
         sticking.begin(inputs.grid);
         viscous.begin(inputs.grid);
@@ -204,8 +205,14 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: 
                     morris1997::add_walls::<S, K>(simd, pairs, own, sticking, wall_sums);
                 }
                 if is_artificial && !is_physical && samples.drags() {
-                    dragging.pack(simd, list, [x, y, z, &samples.volume, &samples.viscous_volume], at);
-                    add_viscous_samples::<S, K>(simd, pairs, own, dragging, sums);
+                    let [volume, viscous] = [&samples.volume, &samples.viscous_volume];
+                    if samples.pressure_term.is_empty() {
+                        dragging.pack(simd, list, [x, y, z, volume, viscous], at);
+                        add_viscous_samples::<S, K, 5>(simd, pairs, own, dragging, sums);
+                    } else {
+                        moving.pack(simd, list, [x, y, z, volume, viscous, &samples.pressure_term], at);
+                        add_viscous_samples::<S, K, 6>(simd, pairs, own, moving, sums);
+                    }
                 } else if !samples.pressure_term.is_empty() {
                     dragging.pack(simd, list, [x, y, z, &samples.volume, &samples.pressure_term], at);
                     add_quasi_fluid::<S, K>(simd, pairs, own, dragging, sums);
@@ -468,7 +475,7 @@ fn add_samples<S: Simd, K: SimdKernel>(simd: S, pairs: Pairs<S>, own: Own, all: 
     }
 }
 
-/// `rho0/m sum_k V_k (P_a + P_k) f'(q)/q x_ak` over quasi-fluid bodies, for each of a cell's particles.
+/// `rho0/m sum_k V_k (P_a + P_k) f'(q)/q x_ak` over quasi-fluid samples, for each of a cell's particles.
 #[inline(always)]
 fn add_quasi_fluid<S: Simd, K: SimdKernel>(
     simd: S,
@@ -490,29 +497,31 @@ fn add_quasi_fluid<S: Simd, K: SimdKernel>(
     }
 }
 
-/// `rho0/m sum_k V_k (P_a + Pi_ak) f'(q)/q x_ak` over walls that do not move, for each of a cell's particles.
+/// `rho0/m sum_k V_k (P_a + P_k + Pi_ak) f'(q)/q x_ak` over walls that do not move, for each of a cell's particles; `P_k` of quasi-fluid comes last.
 #[inline(always)]
-fn add_viscous_samples<S: Simd, K: SimdKernel>(
+fn add_viscous_samples<S: Simd, K: SimdKernel, const N: usize>(
     simd: S,
     pairs: Pairs<S>,
     own: Own,
-    all: &Packed<5>,
+    all: &Packed<N>,
     sums: &mut [[S::f32s; 3]],
 ) {
     let [vx, vy, vz] = own.velocity;
     let mut first = 0;
     while first < all.len() {
-        let [x, y, z, volume, viscous_volume] = all.lanes::<S>(first);
-        let weight = simd.mul_f32s(pairs.relative_factor, volume);
-        let viscous_weight = simd.mul_f32s(simd.mul_f32s(pairs.relative_factor, viscous_volume), pairs.viscosity);
+        let lanes = all.lanes::<S>(first);
+        let weight = simd.mul_f32s(pairs.relative_factor, lanes[3]);
+        let viscous_weight = simd.mul_f32s(simd.mul_f32s(pairs.relative_factor, lanes[4]), pairs.viscosity);
         let motions = vx.iter().zip(vy).zip(vz).zip(own.density);
         for ((sum, position, own_term), (((&u, &v), &w), &own_density)) in own.with(sums).zip(motions) {
-            let ([dx, dy, dz], squared) = difference(simd, position, [x, y, z]);
+            let ([dx, dy, dz], squared) = difference(simd, position, [lanes[0], lanes[1], lanes[2]]);
             let approach = simd.mul_f32s(simd.splat_f32s(u), dx);
             let approach = simd.mul_add_f32s(simd.splat_f32s(v), dy, approach);
             let approach = simd.mul_add_f32s(simd.splat_f32s(w), dz, approach);
             let divisor = simd.mul_f32s(simd.add_f32s(squared, pairs.softening), simd.splat_f32s(2.0 * own_density));
-            let pressure = simd.mul_f32s(weight, simd.splat_f32s(own_term));
+            let own_term = simd.splat_f32s(own_term);
+            let term = if N == 6 { simd.add_f32s(own_term, lanes[N - 1]) } else { own_term };
+            let pressure = simd.mul_f32s(weight, term);
             let strength = minus_quotient(simd, pressure, simd.mul_f32s(viscous_weight, approach), divisor);
             add(simd, sum, simd.mul_f32s(strength, pairs.slope::<K>(simd, squared)), [dx, dy, dz]);
         }

@@ -1,6 +1,8 @@
-//! Stage `body_density`: densities and pressures of the quasi-fluid samples of bodies, see `freshet_core::sampling::quasi_fluid`.
+//! Stages `body_density` and `wall_density`: densities and pressures of the quasi-fluid samples of bodies, see `freshet_core::sampling::quasi_fluid`, and of
+//! [walls](freshet_core::wall_method::QuasiFluid).
 //!
-//! `rho_k = own_k rho0 + (m/S) sum_a W_ak` and `P_k = p(rho_k) / rho_k^2`; zero for samples of a single layer.
+//! `rho_k = own_k rho0 + (m/S) sum_a W_ak` and `P_k = p(rho_k) / rho_k^2`; zero for samples of a single layer. Of walls `s` times as dense as the fluid at rest
+//! `rho_k/s = own_k rho0 + (m/(s S)) sum_a W_ak` and `P_k = p(rho_k/s) / rho_k^2`.
 
 use std::ops::Range;
 
@@ -18,8 +20,9 @@ use crate::samples::SortedSamples;
 use crate::simd_kernel::{SimdKernel, WithKernel};
 use crate::workspace::Workspace;
 
-/// Pressures of samples.
-pub struct Task<'a> {
+/// What samples need.
+#[derive(Clone, Copy)]
+pub struct Inputs<'a> {
     /// Instruction set.
     pub arch: Arch,
     /// Grid of everything.
@@ -28,29 +31,37 @@ pub struct Task<'a> {
     pub starts: &'a [u32],
     /// Sorted particles.
     pub particles: &'a Particles,
-    /// Sorted samples of all bodies.
+    /// Sorted samples of all bodies, or of all walls.
     pub samples: &'a SortedSamples,
     /// `own_k` in the order of the sources; negative for samples of a single layer.
     pub own: &'a [f32],
-    /// Slots of the samples to do.
-    pub slots: Range<usize>,
-    /// Memory of the thread.
-    pub workspace: &'a mut Workspace,
-    /// Result: `p / rho^2` of each, m5/(kg s2).
-    pub pressure_terms: &'a mut [f32],
-    /// `m A / (S H^3)`.
+    /// `m A / (s S H^3)`.
     pub factor: f32,
+    /// `1/s^2`.
+    pub term_factor: f32,
     /// Density at rest, kg/m3.
     pub rest_density: f32,
     /// Pressure from density.
     pub law: PressureLaw,
 }
 
+/// Pressures of samples.
+pub struct Task<'a> {
+    /// Shared inputs.
+    pub inputs: Inputs<'a>,
+    /// Slots of the samples to do.
+    pub slots: Range<usize>,
+    /// Memory of the thread.
+    pub workspace: &'a mut Workspace,
+    /// Result: `p / rho^2` of each, m5/(kg s2).
+    pub pressure_terms: &'a mut [f32],
+}
+
 impl WithKernel for Task<'_> {
     type Output = ();
 
     fn with<K: SimdKernel>(self, _: K) {
-        self.arch.dispatch(Typed::<K>(self, std::marker::PhantomData));
+        self.inputs.arch.dispatch(Typed::<K>(self, std::marker::PhantomData));
     }
 }
 
@@ -61,34 +72,34 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let task = self.0;
-        let [x, y, z] = &task.particles.position;
-        let Workspace { candidates, places: fluid, .. } = task.workspace;
-        fluid.begin(task.grid);
+        let Task { inputs, slots, workspace, pressure_terms } = self.0;
+        let [x, y, z] = &inputs.particles.position;
+        let Workspace { candidates, places: fluid, .. } = workspace;
+        fluid.begin(inputs.grid);
         let mut packed_cell = None;
-        for (slot, term) in task.slots.zip(task.pressure_terms) {
-            let own = task.own[task.samples.source[slot] as usize];
+        for (slot, term) in slots.zip(pressure_terms) {
+            let own = inputs.own[inputs.samples.source[slot] as usize];
             if own < 0.0 {
                 *term = 0.0;
                 continue;
             }
-            let at = task.samples.position_of(slot);
-            let cell = task.grid.index(task.grid.coordinates(at)) as usize;
+            let at = inputs.samples.position_of(slot);
+            let cell = inputs.grid.index(inputs.grid.coordinates(at)) as usize;
             if packed_cell != Some(cell) {
-                let rows = Rows::around(task.grid, task.starts, cell);
-                let [sx, sy, sz] = &task.samples.position;
-                let sharing = task.samples.starts[cell] as usize..task.samples.starts[cell + 1] as usize;
-                let near = Near::around([sx, sy, sz], sharing, task.grid.support_radius);
-                candidates.begin(task.grid);
+                let rows = Rows::around(inputs.grid, inputs.starts, cell);
+                let [sx, sy, sz] = &inputs.samples.position;
+                let sharing = inputs.samples.starts[cell] as usize..inputs.samples.starts[cell + 1] as usize;
+                let near = Near::around([sx, sy, sz], sharing, inputs.grid.support_radius);
+                candidates.begin(inputs.grid);
                 let list = candidates.add(simd, &rows, &near, [x, y, z]);
                 fluid.pack(simd, list, [x, y, z], at.x);
                 packed_cell = Some(cell);
             }
-            let sum = sum_around::<S, K>(simd, fluid, at, 1.0 / task.grid.support_radius);
+            let sum = sum_around::<S, K>(simd, fluid, at, 1.0 / inputs.grid.support_radius);
             // Those of a body that has not begun to swell weigh nothing.
-            let density = (own * task.rest_density + task.factor * sum).max(1e-3 * task.rest_density);
-            let pressure = task.law.pressure(f64::from(task.rest_density), f64::from(density));
-            *term = pressure as f32 / (density * density);
+            let density = (own * inputs.rest_density + inputs.factor * sum).max(1e-3 * inputs.rest_density);
+            let pressure = inputs.law.pressure(f64::from(inputs.rest_density), f64::from(density));
+            *term = inputs.term_factor * pressure as f32 / (density * density);
         }
     }
 }

@@ -20,5 +20,6 @@ pub mod sort;
 pub mod step_control;
 pub mod support;
 pub mod wall_collision;
+pub mod wall_density;
 pub mod wall_force;
 pub mod xsph;

@@ -6,16 +6,16 @@ use glam::Vec3;
 use crate::near_walls::NearWalls;
 use crate::workspace::Workspace;
 
-/// Places and velocities of a chunk's particles after a substep of `dt` seconds.
+/// Places and velocities of a chunk's particles after a substep of `dt` seconds; none gets nearer to a face than `contact` spacings.
 pub fn wall_collision(
     near: NearWalls<'_>,
-    penalty: &Penalty,
+    (penalty, contact): (Penalty, f32),
     workspace: &mut Workspace,
     moved: [[&mut [f32]; 3]; 2],
     dt: f32,
 ) {
     let [[x, y, z], [vx, vy, vz]] = moved;
-    let contact = 0.5 * near.plan.parameters.spacing;
+    let contact = contact * near.plan.parameters.spacing;
     for i in 0..x.len() {
         let mut position = Vec3::new(x[i], y[i], z[i]);
         let Some(around) = near.around(position) else { continue };

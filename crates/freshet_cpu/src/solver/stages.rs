@@ -1,5 +1,7 @@
 //! The stages of a substep, shared out in chunks among the threads.
 
+use std::ops::Range;
+
 use freshet_core::integrator::Integrator;
 use freshet_core::near_pressure;
 use freshet_core::plan::{Parameters, StageKind};
@@ -18,11 +20,12 @@ use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
 use crate::passes::{
     acceleration, body_density, body_drag, body_load, body_touch, continuity, density, friction, integrate, support,
-    wall_collision, wall_force, xsph,
+    wall_collision, wall_density, wall_force, xsph,
 };
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
 use crate::tasks::Tasks;
+use crate::workspace::Workspace;
 
 impl CpuSolver {
     /// Sorts the particles by cell, then id; what is dead or broken falls out.
@@ -171,6 +174,7 @@ impl CpuSolver {
         let samples = [&self.walls, &self.body_samples.sorted];
         let h = parameters.smoothing_length;
         let or_none = |factor: f32| if all { factor } else { 0.0 };
+        let (depth, of_walls) = parameters.sticking();
         let inputs = acceleration::Inputs {
             arch: self.arch,
             grid: &self.plan.grid,
@@ -187,8 +191,8 @@ impl CpuSolver {
             physical: (all && parameters.dynamic_viscosity > 0.0).then(|| Viscosity {
                 of_pairs: 2.0 * parameters.dynamic_viscosity * parameters.gradient_calibration
                     / parameters.viscous_calibration,
-                of_walls: parameters.dynamic_viscosity,
-                depth: parameters.boundary_depth,
+                of_walls,
+                depth,
                 nearest: 0.25 * parameters.spacing,
             }),
             near_pressure: or_none(
@@ -208,45 +212,82 @@ impl CpuSolver {
         })
     }
 
-    /// Densities and pressures of quasi-fluid samples.
+    /// Densities and pressures of the quasi-fluid samples of bodies.
     pub(super) fn body_density_stage(&mut self) {
-        let mut pressure_terms = std::mem::take(&mut self.body_samples.sorted.pressure_term);
-        let count = self.body_samples.sorted.len();
-        pressure_terms.clear();
-        pressure_terms.resize(count + PADDING, 0.0);
-        self.share_slots(count);
-        let parameters = &self.plan.parameters;
-        let factor = parameters.particle_mass * kernel_scale(parameters, 3) / parameters.density_calibration;
-        let (arch, grid) = (self.arch, &self.plan.grid);
-        let (starts, particles) = (&self.sorter.starts, &self.particles);
+        share_slots(&mut self.slots, self.body_samples.sorted.len());
+        let mut terms = std::mem::take(&mut self.body_samples.sorted.pressure_term);
+        let mut workspaces = std::mem::take(&mut self.workspaces);
         let (samples, own) = (&self.body_samples.sorted, self.body_samples.own_densities());
-        let (rest_density, law) = (parameters.rest_density, parameters.pressure_law);
-        let tasks = Tasks::new(&self.slots, (), &mut pressure_terms[..count]);
-        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (slots, (), pressure_terms)| {
-            let slots = slots.clone();
-            let task = body_density::Task {
-                arch,
-                grid,
-                starts,
-                particles,
-                samples,
-                own,
-                slots,
-                workspace,
-                pressure_terms,
-                factor,
-                rest_density,
-                law,
-            };
-            dispatch(parameters.kernel, task);
-        });
-        self.body_samples.sorted.pressure_term = pressure_terms;
+        self.find_quasi_fluid(samples, own, 1.0, &self.slots, &mut workspaces, &mut terms);
+        (self.body_samples.sorted.pressure_term, self.workspaces) = (terms, workspaces);
     }
 
-    /// Shares the slots of so many samples out among tasks.
-    fn share_slots(&mut self, count: usize) {
-        self.slots.clear();
-        self.slots.extend((0..count).step_by(64).map(|first| first..(first + 64).min(count)));
+    /// The same of walls; of those with images of the fluid its densities, and how far it is compressed then.
+    pub(super) fn wall_density_stage(&mut self) -> Option<Compression> {
+        if self.plan.parameters.wall_method == WallMethod::Ghosts {
+            return self.image_density();
+        }
+        let WallMethod::QuasiFluid(walls) = self.plan.parameters.wall_method else { return None };
+        share_slots(&mut self.wall_slots, self.walls.len());
+        let mut terms = std::mem::take(&mut self.walls.pressure_term);
+        let mut workspaces = std::mem::take(&mut self.workspaces);
+        let own = &self.plan.boundary.own_densities;
+        let weight = walls.relative_density();
+        self.find_quasi_fluid(&self.walls, own, weight, &self.wall_slots, &mut workspaces, &mut terms);
+        (self.walls.pressure_term, self.workspaces) = (terms, workspaces);
+        None
+    }
+
+    fn image_density(&mut self) -> Option<Compression> {
+        let parameters = &self.plan.parameters;
+        let inputs = wall_density::Inputs {
+            near: NearWalls { walls: &self.pushing_walls, plan: &self.plan },
+            starts: &self.sorter.starts,
+            particles: &self.particles,
+            kernel: parameters.kernel().ok()?,
+            factor: f64::from(parameters.particle_mass / parameters.density_calibration),
+            law: parameters.pressure_law,
+        };
+        let results = [&mut *self.density, &mut *self.pressure_term];
+        let tasks = Tasks::new(&self.sorter.chunks, (), results);
+        let compression = self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (), results)| {
+            wall_density::wall_density(&inputs, chunk, workspace, results)
+        });
+        Some(compression)
+    }
+
+    /// `p / rho^2` of quasi-fluid samples whose density at rest is so many times that of the fluid.
+    fn find_quasi_fluid(
+        &self,
+        samples: &SortedSamples,
+        own: &[f32],
+        relative_density: f32,
+        slots: &[Range<usize>],
+        workspaces: &mut [Workspace],
+        terms: &mut Vec<f32>,
+    ) {
+        let count = samples.len();
+        terms.clear();
+        terms.resize(count + PADDING, 0.0);
+        let parameters = &self.plan.parameters;
+        let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
+        let inputs = body_density::Inputs {
+            arch: self.arch,
+            grid: &self.plan.grid,
+            starts: &self.sorter.starts,
+            particles: &self.particles,
+            samples,
+            own,
+            factor: parameters.particle_mass * scale / relative_density,
+            term_factor: 1.0 / (relative_density * relative_density),
+            rest_density: parameters.rest_density,
+            law: parameters.pressure_law,
+        };
+        let tasks = Tasks::new(slots, (), &mut terms[..count]);
+        self.workers.share_with(workspaces, tasks, |workspace, (slots, (), pressure_terms)| {
+            let task = body_density::Task { inputs, slots: slots.clone(), workspace, pressure_terms };
+            dispatch(parameters.kernel, task);
+        });
     }
 
     /// What sticks to bodies: adds to the accelerations, and keeps what bodies get for it.
@@ -294,7 +335,7 @@ impl CpuSolver {
     /// Force (N) and torque about the centre of mass (N m) of the fluid on each body, in the order of the bodies.
     pub(super) fn body_load_stage(&mut self) {
         let count = self.body_samples.sorted.len();
-        self.share_slots(count);
+        share_slots(&mut self.slots, count);
         let parameters = &self.plan.parameters;
         let samples = &self.body_samples.sorted;
         let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
@@ -343,7 +384,20 @@ impl CpuSolver {
     /// Adds what walls push by themselves; the largest of the accelerations beside them.
     pub(super) fn wall_force_stage(&mut self) -> Maxima {
         let near = NearWalls { walls: &self.pushing_walls, plan: &self.plan };
-        let inputs = wall_force::Inputs { near, particles: &self.particles };
+        let parameters = &self.plan.parameters;
+        let with_images = parameters.wall_method == WallMethod::Ghosts;
+        let images = parameters.kernel().ok().filter(|_| with_images).map(|kernel| wall_force::Pairs {
+            starts: &self.sorter.starts,
+            density: &self.density,
+            pressure_term: &self.pressure_term,
+            kernel,
+            factor: -f64::from(parameters.particle_mass / parameters.gradient_calibration),
+            viscosity: 2.0 * parameters.artificial_viscosity * parameters.sound_speed * parameters.smoothing_length,
+            physical: 2.0 * parameters.dynamic_viscosity * parameters.gradient_calibration
+                / parameters.viscous_calibration,
+            softening: 0.01 * parameters.smoothing_length * parameters.smoothing_length,
+        });
+        let inputs = wall_force::Inputs { near, particles: &self.particles, images };
         let results = self.acceleration.each_mut().map(Vec::as_mut_slice);
         let tasks = Tasks::new(&self.sorter.chunks, (), results);
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (), acceleration)| {
@@ -353,13 +407,13 @@ impl CpuSolver {
 
     /// Puts back what got into walls in the last `dt` seconds.
     pub(super) fn wall_collision_stage(&mut self, dt: f32) {
-        let WallMethod::Penalty(penalty) = self.plan.parameters.wall_method else { return };
+        let Some(collision) = self.plan.parameters.wall_method.collision() else { return };
         let near = NearWalls { walls: &self.pushing_walls, plan: &self.plan };
         let [positions, velocities] = [&mut self.particles.position, &mut self.particles.velocity];
         let moved = [positions, velocities].map(|values| values.each_mut().map(Vec::as_mut_slice));
         let tasks = Tasks::new(&self.sorter.chunks, (), moved);
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (_, (), moved)| {
-            wall_collision::wall_collision(near, &penalty, workspace, moved, dt);
+            wall_collision::wall_collision(near, collision, workspace, moved, dt);
         });
     }
 
@@ -477,6 +531,12 @@ impl CpuSolver {
             integrate::age(particles, dt);
         }
     }
+}
+
+/// Shares the slots of so many samples out among tasks.
+fn share_slots(slots: &mut Vec<Range<usize>>, count: usize) {
+    slots.clear();
+    slots.extend((0..count).step_by(64).map(|first| first..(first + 64).min(count)));
 }
 
 /// Walls, bodies, both or neither.

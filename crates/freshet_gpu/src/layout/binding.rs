@@ -76,6 +76,8 @@ pub enum Binding {
     WallFrictions,
     /// Normals of the faces that wall samples stand for, and how far behind them samples lie, m, of plans whose walls push along them.
     WallFaces,
+    /// Of plans whose walls are quasi-fluid: what walls' samples add to the density of each over that at rest, and its `p / rho^2`.
+    WallDensities,
     /// What particles move with beside their velocity, of plans with XSPH: four words each, the last unused.
     Drifts,
     /// [`BodyAnswerRecord`](records::BodyAnswerRecord): how bodies answer to the solves of an incompressible fluid.
@@ -92,7 +94,7 @@ pub enum Binding {
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 32] = [
+    pub const ALL: [Binding; 33] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -119,6 +121,7 @@ impl Binding {
         Binding::Spawned,
         Binding::WallFrictions,
         Binding::WallFaces,
+        Binding::WallDensities,
         Binding::Drifts,
         Binding::Answers,
         Binding::Widths,
@@ -166,6 +169,7 @@ impl Binding {
             Binding::Spawned => "spawned",
             Binding::WallFrictions => "wall_frictions",
             Binding::WallFaces => "wall_faces",
+            Binding::WallDensities => "wall_densities",
             Binding::Drifts => "drifts",
             Binding::Answers => "answers",
             Binding::Widths => "widths",
@@ -213,7 +217,7 @@ impl Binding {
             Binding::SortedLives | Binding::Widths | Binding::Histories => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
-            Binding::WallFrictions => "array<vec2<f32>>",
+            Binding::WallFrictions | Binding::WallDensities => "array<vec2<f32>>",
             Binding::Drifts | Binding::WallFaces => "array<vec4<f32>>",
             Binding::CellCounts => "array<atomic<u32>>",
             Binding::Bodies => "array<BodyRecord>",
@@ -349,6 +353,11 @@ fn place_own_row(i: u32) -> u32 { return places[i].own_row; }
 "
             }
             Binding::WallFaces => "fn wall_face(k: u32) -> vec4<f32> { return wall_faces[k]; }\n",
+            Binding::WallDensities => {
+                "fn wall_own_density(k: u32) -> f32 { return wall_densities[k].x; }
+fn wall_pressure(k: u32) -> f32 { return wall_densities[k].y; }
+"
+            }
             Binding::Drifts => "fn drift(i: u32) -> vec3<f32> { return drifts[i].xyz; }\n",
             Binding::Widths => "fn width(i: u32) -> f32 { return widths[i]; }\n",
             Binding::Histories => {
@@ -499,6 +508,7 @@ fn set_stiffness(i: u32, value: f32) { solves[solve_word(9u, i)] = bitcast<u32>(
 fn take_from_cell_count(i: u32) -> u32 { return atomicSub(&cell_counts[i], 1u) - 1u; }
 "
             }
+            Binding::WallDensities => "fn set_wall_pressure(k: u32, term: f32) { wall_densities[k].y = term; }\n",
             Binding::CellStarts => "fn set_cell_start(i: u32, start: u32) { cell_starts[i] = start; }\n",
             Binding::Samples => {
                 "fn set_sample(k: u32, value: vec4<f32>) { set_samples_words(k, bitcast<vec4<u32>>(value)); }

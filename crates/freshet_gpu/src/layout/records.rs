@@ -21,7 +21,7 @@ wgsl_struct! {
         squared_support_radius: f32,
         /// One over the edge lengths of a cell, 1/m.
         inverse_cell_size: Vec3,
-        /// Depth of wall samples behind their face, m.
+        /// Depth behind their face of wall samples that fluid sticks to, m.
         wall_depth: f32,
         /// Lower corner of cell zero, m.
         grid_origin: Vec3,
@@ -33,7 +33,7 @@ wgsl_struct! {
         pair_viscosity: f32,
         /// Length of each period, m; zero for none.
         period: Vec3,
-        /// mu, Pa s: between particles and walls.
+        /// mu, Pa s: between particles and walls, twice of it over their relative density if they are quasi-fluid.
         wall_viscosity: f32,
         /// One over it, 1/m; zero for none.
         inverse_period: Vec3,
@@ -187,6 +187,14 @@ wgsl_struct! {
         poisson_scale: f32,
         /// Density of a free surface, kg/m3.
         surface_density: f32,
+        /// Density of quasi-fluid walls over the fluid's.
+        wall_relative_density: f32,
+        /// Depth behind their face of bodies' samples, m.
+        body_depth: f32,
+        /// mu, Pa s: between particles and bodies.
+        body_viscosity: f32,
+        /// How near a particle has to be to a sample to be held by its plane, m.
+        wall_reach: f32,
     }
 
     /// What the GPU decides from substep to substep, and what it reports.

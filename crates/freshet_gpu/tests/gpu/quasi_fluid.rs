@@ -21,7 +21,7 @@ fn samples_have_pressures_of_their_own_and_exchange_them() {
     }
     for (from, to) in [
         ("swollen * swollen * own * rest_density", "1.01 * own * rest_density"),
-        ("own.pressure_term + fields::sample_pressure(k)", "own.pressure_term + 0.99 * fields::sample_pressure(k)"),
+        ("fields::sample(k), fields::sample_pressure(k)", "fields::sample(k), 0.99 * fields::sample_pressure(k)"),
         ("if (own < 0.0)", "if (own < -2.0)"),
         ("slopes += slope * x;", "slopes += 1.01 * slope * x;"),
     ] {

@@ -139,9 +139,9 @@ Any of them can be had by `Configuration::named(\"...\")?.on(&scene)?`, or by th
 are of the resolutions in turn.
 ";
     text += "
-Walls of the family *walls* do not hold fluid back along their faces: in the viscous channel, which lives by that, all but the default are wholly wrong, whatever they do elsewhere.
+Walls of the family *walls* but for quasi-fluid and ghost particles do not hold fluid back along their faces: in the viscous channel, which lives by that, they are wholly wrong, whatever they do elsewhere.
 Of the methods of Pirovano 2011, Krog 2010 and Enneking 2018 there are not yet: pressure-corrected SPH, a Poisson equation for pressure (MPS), a kernel of its own per term,
-walls of quasi-fluid layers, ghost particles, and the springs, penalties and forces of this family for walls that move.
+and the springs, penalties, images and forces of this family for walls that move.
 ";
     for family in Family::ALL {
         let mut of_family = CONFIGURATIONS.iter().filter(|known| known.family == family).peekable();
