@@ -41,5 +41,9 @@ fn write_motion_arguments(moving: bool) {
     fields::set_arguments(#{ARGUMENTS_MOTION}u, threads::groups_for(select(0u, fields::control.live, moving)));
 #ifdef BODIES
     fields::set_arguments(#{ARGUMENTS_BODY_MOTION}u, threads::groups_for(select(0u, fields::parameters.bodies, moving)));
+#ifdef ROUGH_BODIES
+    fields::set_arguments(#{ARGUMENTS_FRICTION_LOADS}u, threads::groups_for(select(0u, fields::parameters.body_samples, moving)));
+    fields::set_arguments(#{ARGUMENTS_FRICTION_SUMS}u, threads::group_grid(select(0u, fields::parameters.bodies, moving)));
+#endif
 #endif
 }

@@ -189,10 +189,15 @@ fn from_quasi_fluid(own: Own, k: u32, sample: fields::Sample) -> vec3<f32> {
 
 #ifdef DRAGGING_WALLS
 // V_k (P_a + Pi_ak) f'(q) / q x_ak
-fn from_wall(own: Own, sample: fields::Sample) -> vec3<f32> {
+fn from_wall(own: Own, k: u32, sample: fields::Sample) -> vec3<f32> {
     let x = grid::difference(own.position, sample.position);
     let r_squared = dot(x, x);
-    let approach = sample.viscous_weight * dot(own.velocity, x);
+#ifdef MOVING_WALLS
+    let velocity = own.velocity - fields::wall_velocity(k);
+#else
+    let velocity = own.velocity;
+#endif
+    let approach = sample.viscous_weight * dot(velocity, x);
     let drag = own.artificial_scale * approach / ((r_squared + own.softening) * (2.0 * own.density));
     let factor = sample.weight * own.pressure_term - drag;
     return (factor * kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius)) * x;
@@ -281,7 +286,7 @@ fn acceleration_of(a: u32) -> vec3<f32> {
             let k = grid::member(walls, t);
             let sample = fields::sample(k);
 #ifdef DRAGGING_WALLS
-            samples += from_wall(own, sample);
+            samples += from_wall(own, k, sample);
 #else
             samples += from_sample(own, sample);
 #endif

@@ -40,6 +40,10 @@ pub mod library {
         HITS = "hits.wgsl",
         /// Smoothing kernels.
         KERNELS = "kernels.wgsl",
+        /// Friction.
+        COULOMB = "coulomb.wgsl",
+        /// Bodies that particles stick to or rub on.
+        CONTACTS = "contacts.wgsl",
         /// How far the fluid is compressed.
         COMPRESSION = "compression.wgsl",
         /// Pressure from density.
@@ -100,6 +104,8 @@ pub mod passes {
         SOLVE_CONTROL = "solve_control.wgsl",
         /// Friction of walls.
         FRICTION = "friction.wgsl",
+        /// Friction of bodies.
+        BODY_FRICTION = "body_friction.wgsl",
         /// Motion with the neighbours' mean velocity.
         XSPH = "xsph.wgsl",
         /// Motion of bodies.

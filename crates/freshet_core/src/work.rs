@@ -120,6 +120,7 @@ impl Work {
             }
             // Of particles beside such walls only.
             StageKind::Friction
+            | StageKind::BodyFriction
             | StageKind::WallForce
             | StageKind::WallCollision
             | StageKind::BodySort

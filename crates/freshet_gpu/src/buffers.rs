@@ -74,7 +74,7 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
             Binding::Places => plan.has(StageKind::PositionSolve),
             Binding::Drifts => plan.has(StageKind::Xsph),
             Binding::Widths => plan.has(StageKind::Support),
-            Binding::Contacts => plan.has(StageKind::BodyDrag),
+            Binding::Contacts => plan.has(StageKind::BodyDrag) || plan.has(StageKind::BodyFriction),
             Binding::Histories => history_words(plan) > 0,
             _ => true,
         };
@@ -282,6 +282,8 @@ fn body_records(plan: &Plan) -> (Vec<BodySampleRecord>, Vec<BodyRecord>) {
             sample_count: body.samples.len() as u32,
             reach: body.reach,
             swelling_reach: body.swelling_reach,
+            friction_at_rest: body.friction.at_rest,
+            friction_sliding: body.friction.sliding,
             ..Default::default()
         });
         let weighted = body.samples.iter().zip(&body.volumes).zip(&body.roots).enumerate();

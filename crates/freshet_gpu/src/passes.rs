@@ -35,11 +35,15 @@ pub(crate) enum Arguments {
     Pushes,
     /// A group for each body in an iteration of a divergence solve.
     Answers,
+    /// A thread for each sample of a body, of which some have friction, that is moved.
+    FrictionLoads,
+    /// A group for each body, likewise.
+    FrictionSums,
 }
 
 impl Arguments {
     /// Number of indirect dispatches; the arguments of drawing come after them.
-    pub const COUNT: u32 = 11;
+    pub const COUNT: u32 = 13;
 
     /// Offset in bytes.
     pub fn offset(self) -> u64 {
@@ -129,7 +133,7 @@ pub(crate) fn answering_bodies(plan: &Plan) -> bool {
 
 /// Whether passes need to know where sorted samples of bodies are from which body's centre of mass.
 pub(crate) fn sample_arms(plan: &Plan) -> bool {
-    answering_bodies(plan) || plan.has(StageKind::BodyDrag)
+    answering_bodies(plan) || plan.has(StageKind::BodyDrag) || plan.has(StageKind::BodyFriction)
 }
 
 /// Words of each particle in [`Binding::Solves`].
@@ -155,9 +159,10 @@ pub(crate) fn needs_velocities(plan: &Plan) -> bool {
     parameters.artificial_viscosity > 0.0 || parameters.dynamic_viscosity > 0.0 || mueller
 }
 
-/// Whether fluid sticks to walls some of which move.
+/// Whether fluid sticks to walls some of which move, or rubs on them.
 pub(crate) fn moving_walls(plan: &Plan) -> bool {
-    !plan.boundary.velocities.is_empty() && WallDrag::of(plan) == WallDrag::Morris
+    let is_felt = WallDrag::of(plan) != WallDrag::None || plan.has(StageKind::Friction);
+    !plan.boundary.velocities.is_empty() && is_felt
 }
 
 /// The passes of one substep, in order.
@@ -173,7 +178,10 @@ pub(crate) fn substep_passes(plan: &Plan) -> Vec<Pass> {
 
 /// Whether a stage comes after the solves of an incompressible fluid.
 fn is_of_the_end(stage: StageKind) -> bool {
-    matches!(stage, StageKind::Friction | StageKind::Xsph | StageKind::BodyMotion | StageKind::Integrate)
+    matches!(
+        stage,
+        StageKind::Friction | StageKind::BodyFriction | StageKind::Xsph | StageKind::BodyMotion | StageKind::Integrate
+    )
 }
 
 fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
@@ -472,6 +480,36 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 ),
             ),
         )],
+        StageKind::BodyFriction => {
+            let pressures = [(B::Solves, Read), (B::Control, Read), (B::Contacts, Write)];
+            let rub = [
+                (B::SortedPositions, Read),
+                (B::SortedVelocities, Read),
+                (B::CellStarts, Read),
+                (B::Samples, Read),
+                (B::Bodies, Read),
+                (B::Control, Read),
+                (B::Accelerations, Write),
+                (B::Contacts, Write),
+            ];
+            let on_samples = [
+                (B::Bodies, Read),
+                (B::BodySamples, Read),
+                (B::SortedPositions, Read),
+                (B::CellStarts, Read),
+                (B::Contacts, Read),
+                (B::SampleLoads, Write),
+            ];
+            let on_bodies = [(B::SampleLoads, Read), (B::Bodies, Write)];
+            let rough = |name, dispatch, uses: &[(Binding, Access)]| pass(name, passes::BODY_FRICTION, dispatch, uses);
+            let copy = solves.then(|| with_words(1, rough("contact_pressure", Arguments::Motion, &pressures)));
+            let passes = [
+                rough("body_friction", Arguments::Motion, &rub),
+                rough("friction_load", Arguments::FrictionLoads, &on_samples),
+                pass("friction_sum", passes::BODY_LOAD, Arguments::FrictionSums, &on_bodies),
+            ];
+            copy.into_iter().chain(passes).collect()
+        }
         StageKind::Xsph => vec![with_words(
             past,
             pass(

@@ -60,6 +60,8 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("ARGUMENTS_DENSITY", Arguments::Density as u32);
     number("ARGUMENTS_PUSHES", Arguments::Pushes as u32);
     number("ARGUMENTS_ANSWERS", Arguments::Answers as u32);
+    number("ARGUMENTS_FRICTION_LOADS", Arguments::FrictionLoads as u32);
+    number("ARGUMENTS_FRICTION_SUMS", Arguments::FrictionSums as u32);
     number("ARGUMENTS_DRAW", 3 * Arguments::COUNT);
     number("SOLVE_WORDS", solve_words(plan));
     number("HISTORY_WORDS", history_words(plan) as u32);
@@ -95,6 +97,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("SAMPLE_ARMS", sample_arms(plan)),
         ("QUASI_FLUID", plan.has(StageKind::BodyDensity)),
         ("STICKING_BODIES", plan.has(StageKind::BodyDrag)),
+        ("ROUGH_BODIES", plan.has(StageKind::BodyFriction)),
         ("PERIODIC", plan.grid.periodic.any()),
         ("HISTORIES", history_words(plan) > 0),
         ("PASTS", past_words(plan) > 0),

@@ -325,6 +325,41 @@ fn stages_with_walls_of_every_method_agree_and_a_wrong_constant_is_found() {
     }
 }
 
+/// A floor that runs as a belt, rough walls and a rough ball: a wrong constant is found.
+#[test]
+fn stages_with_friction_of_belts_and_bodies_agree_and_a_wrong_constant_is_found() {
+    let states = states(&Plan::new(&scene()).unwrap());
+    let mut scene = scene();
+    let floor = Boundary::new(BoundaryShape::Plane { half_extents: [0.5, 0.2] }, Vec3::new(0.5, 0.0, 0.2));
+    scene.boundaries[0] = Boundary {
+        shape: BoundaryShape::Container {
+            half_extents: Vec3::new(0.5, 0.4, 0.2),
+            open: [false, false, true, true, false, false],
+        },
+        ..scene.boundaries[0].clone()
+    };
+    scene.boundaries[0].friction = Friction { at_rest: 0.8, sliding: 0.3 };
+    let belt = floor.with_velocity(Vec3::new(2.0, 0.0, -0.5)).with_friction(Friction { at_rest: 1.5, sliding: 0.7 });
+    scene.boundaries.push(belt);
+    scene.bodies[0].friction = Friction { at_rest: 1.2, sliding: 0.6 };
+    scene.settings.max_substeps = 1;
+    let plan = Plan::new(&scene).unwrap();
+    let (mut cpu, mut right) = (cpu(&plan), gpu(&plan, None));
+    for (name, state) in &states {
+        compare(&plan, state, &mut cpu, &mut right).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+    for (from, to) in [
+        ("velocity -= push.surface / push.size;", "velocity -= 0.98 * push.surface / push.size;"),
+        ("own.velocity - fields::wall_velocity(k)", "own.velocity + 0.0 * fields::wall_velocity(k)"),
+        ("* taken);", "* 1.02 * taken);"),
+        ("coefficients.y * length(push)", "1.02 * coefficients.y * length(push)"),
+    ] {
+        let mut wrong = gpu(&plan, Some((from, to)));
+        let found = states.iter().any(|(_, state)| compare(&plan, state, &mut cpu, &mut wrong).is_err());
+        assert!(found, "{from} -> {to} went unnoticed");
+    }
+}
+
 /// The same, incompressible; solved so well that it does not matter whether one iteration more is made.
 fn incompressible(solver: DivergenceFree) -> FluidScene {
     let mut scene = scene();

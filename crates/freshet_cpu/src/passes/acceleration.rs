@@ -204,8 +204,15 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: 
                     morris1997::add_walls::<S, K>(simd, pairs, own, sticking, wall_sums);
                 }
                 if is_artificial && !is_physical && samples.drags() {
-                    dragging.pack(simd, list, [x, y, z, &samples.volume, &samples.viscous_volume], at);
-                    add_viscous_samples::<S, K>(simd, pairs, own, dragging, sums);
+                    let weights = [&*samples.volume, &*samples.viscous_volume];
+                    if samples.moves() {
+                        let [u, v, w] = samples.velocity();
+                        viscous.pack(simd, list, [x, y, z, weights[0], weights[1], u, v, w], at);
+                        add_viscous_samples::<S, K, 8>(simd, pairs, own, viscous, sums);
+                    } else {
+                        dragging.pack(simd, list, [x, y, z, weights[0], weights[1]], at);
+                        add_viscous_samples::<S, K, 5>(simd, pairs, own, dragging, sums);
+                    }
                 } else if !samples.pressure_term.is_empty() {
                     dragging.pack(simd, list, [x, y, z, &samples.volume, &samples.pressure_term], at);
                     add_quasi_fluid::<S, K>(simd, pairs, own, dragging, sums);
@@ -490,27 +497,33 @@ fn add_quasi_fluid<S: Simd, K: SimdKernel>(
     }
 }
 
-/// `rho0/m sum_k V_k (P_a + Pi_ak) f'(q)/q x_ak` over walls that do not move, for each of a cell's particles.
+/// `rho0/m sum_k V_k (P_a + Pi_ak) f'(q)/q x_ak` over walls, for each of a cell's particles; with eight quantities of walls that move, as the last three
+/// say.
 #[inline(always)]
-fn add_viscous_samples<S: Simd, K: SimdKernel>(
+fn add_viscous_samples<S: Simd, K: SimdKernel, const N: usize>(
     simd: S,
     pairs: Pairs<S>,
     own: Own,
-    all: &Packed<5>,
+    all: &Packed<N>,
     sums: &mut [[S::f32s; 3]],
 ) {
     let [vx, vy, vz] = own.velocity;
     let mut first = 0;
     while first < all.len() {
-        let [x, y, z, volume, viscous_volume] = all.lanes::<S>(first);
+        let lanes = all.lanes::<S>(first);
+        let [x, y, z, volume, viscous_volume] = [0, 1, 2, 3, 4].map(|quantity| lanes[quantity]);
         let weight = simd.mul_f32s(pairs.relative_factor, volume);
         let viscous_weight = simd.mul_f32s(simd.mul_f32s(pairs.relative_factor, viscous_volume), pairs.viscosity);
+        let relative = |value: f32, axis: usize| match lanes.get(5 + axis) {
+            Some(&surface) => simd.sub_f32s(simd.splat_f32s(value), surface),
+            None => simd.splat_f32s(value),
+        };
         let motions = vx.iter().zip(vy).zip(vz).zip(own.density);
         for ((sum, position, own_term), (((&u, &v), &w), &own_density)) in own.with(sums).zip(motions) {
             let ([dx, dy, dz], squared) = difference(simd, position, [x, y, z]);
-            let approach = simd.mul_f32s(simd.splat_f32s(u), dx);
-            let approach = simd.mul_add_f32s(simd.splat_f32s(v), dy, approach);
-            let approach = simd.mul_add_f32s(simd.splat_f32s(w), dz, approach);
+            let approach = simd.mul_f32s(relative(u, 0), dx);
+            let approach = simd.mul_add_f32s(relative(v, 1), dy, approach);
+            let approach = simd.mul_add_f32s(relative(w, 2), dz, approach);
             let divisor = simd.mul_f32s(simd.add_f32s(squared, pairs.softening), simd.splat_f32s(2.0 * own_density));
             let pressure = simd.mul_f32s(weight, simd.splat_f32s(own_term));
             let strength = minus_quotient(simd, pressure, simd.mul_f32s(viscous_weight, approach), divisor);

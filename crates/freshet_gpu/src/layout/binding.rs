@@ -82,7 +82,7 @@ pub enum Binding {
     Answers,
     /// Supports over the support radius, of plans where they vary.
     Widths,
-    /// [`ContactRecord`](records::ContactRecord), of plans in which fluid sticks to bodies.
+    /// [`ContactRecord`](records::ContactRecord), of plans in which fluid sticks to bodies or rubs on them.
     Contacts,
     /// What the integrator keeps of particles and the density that they carry, one after the other: in the order of the state, then in that of the last sort.
     Histories,
@@ -385,6 +385,7 @@ fn body_turn(i: u32) -> vec3<f32> { return bodies[i].turn; }
 fn body_swollen(i: u32) -> f32 { return bodies[i].swollen; }
 fn body_swelling_reach(i: u32) -> f32 { return bodies[i].swelling_reach; }
 fn body_wetted(i: u32) -> u32 { return bodies[i].wetted; }
+fn body_friction(i: u32) -> vec2<f32> { return vec2<f32>(bodies[i].friction_at_rest, bodies[i].friction_sliding); }
 fn body_exchange(i: u32, slot: u32) -> ExchangeRecord { return bodies[i].exchanges[slot]; }
 "
             }

@@ -385,7 +385,7 @@ wgsl_struct! {
         pad_b: u32,
     }
 
-    /// What of a particle sticks to a body.
+    /// What of a particle sticks to a body or rubs on it.
     pub struct ContactRecord {
         /// Force on the body over the sum of `V_k F`, N/m3 in the units of kernel slopes.
         force: Vec3,
@@ -493,12 +493,12 @@ wgsl_struct! {
         swelling_reach: f32,
         /// Of the fluid in this substep, N m.
         torque: Vec3,
-        /// Unused.
-        pad_f: u32,
+        /// Coefficient of friction of what sticks.
+        friction_at_rest: f32,
         /// Of the fluid in this tick so far, N s.
         impulse_linear: Vec3,
-        /// Unused.
-        pad_g: u32,
+        /// Coefficient of friction of what slides.
+        friction_sliding: f32,
         /// Of the fluid in this tick so far, N m s.
         impulse_angular: Vec3,
         /// Unused.

@@ -21,6 +21,7 @@ mod quasi_fluid;
 mod reconfigure;
 mod reference;
 mod rest;
+mod rough;
 mod sorting;
 mod sticking;
 mod swelling;
