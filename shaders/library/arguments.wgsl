@@ -47,3 +47,16 @@ fn write_motion_arguments(moving: bool) {
 #endif
 #endif
 }
+
+#ifdef REDO
+// Whether the state is kept that a substep starts from, and whether what was kept is put back.
+fn write_redo_arguments(keep: bool, restore: bool) {
+#ifdef BODIES
+    let count = max(fields::control.live, fields::parameters.bodies);
+#else
+    let count = fields::control.live;
+#endif
+    fields::set_arguments(#{ARGUMENTS_KEEP}u, threads::groups_for(select(0u, count, keep)));
+    fields::set_arguments(#{ARGUMENTS_RESTORE}u, threads::groups_for(select(0u, count, restore)));
+}
+#endif

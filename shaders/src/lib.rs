@@ -98,6 +98,8 @@ pub mod passes {
         BODY_TOUCH = "body_touch.wgsl",
         /// Length and number of substeps.
         STEP_CONTROL = "step_control.wgsl",
+        /// States that substeps start from, kept and put back.
+        REDO = "redo.wgsl",
         /// Sums and steps of the solves of an incompressible fluid.
         PROJECTION = "projection.wgsl",
         /// Number of their iterations.

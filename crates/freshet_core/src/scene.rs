@@ -329,7 +329,7 @@ pub struct Settings {
     /// Substep over `h^2 / nu`, 0.01 to 1.
     pub viscous_factor: f32,
     /// Whether a substep that turns out too long is taken back and made again in shorter ones (Pirovano 2011, §2.3.5): see
-    /// [`Parameters::redone`](crate::plan::Parameters::redone). On the CPU only.
+    /// [`Parameters::redone`](crate::plan::Parameters::redone).
     pub redo_substeps: bool,
     /// Most substeps in one tick, 1 to 100,000; what is left of the tick is carried to the next.
     pub max_substeps: u32,

@@ -39,11 +39,15 @@ pub(crate) enum Arguments {
     FrictionLoads,
     /// A group for each body, likewise.
     FrictionSums,
+    /// A thread for each particle and each body whose state is kept, of plans that make substeps again.
+    Keep,
+    /// The same for those that go back to what was kept.
+    Restore,
 }
 
 impl Arguments {
     /// Number of indirect dispatches; the arguments of drawing come after them.
-    pub const COUNT: u32 = 13;
+    pub const COUNT: u32 = 15;
 
     /// Offset in bytes.
     pub fn offset(self) -> u64 {
@@ -145,6 +149,11 @@ pub(crate) fn solve_words(plan: &Plan) -> u32 {
 /// then the density that is carried.
 pub(crate) fn history_words(plan: &Plan) -> u64 {
     past_words(plan) + u64::from(plan.parameters.density.is_carried())
+}
+
+/// Words of each particle in [`Binding::Befores`]: its record, its density, and what is kept of it besides.
+pub(crate) fn before_words(plan: &Plan) -> u64 {
+    9 + u64::from(incompressible(plan)) + history_words(plan)
 }
 
 /// Those of the integrator.
@@ -427,8 +436,28 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(bodies, vec![(B::Control, Write), (B::Arguments, Write)], &[(B::Bodies, Read)]);
             let uses = with(answers, uses, &[(B::Answers, Read)]);
             // Dispatched in any case: past the tick's end it switches the motion off.
-            let pass = pass("step_control", passes::STEP_CONTROL, Arguments::Particles, &uses);
-            vec![Pass { dispatch: Dispatch::Single, ..pass }]
+            let control = pass("step_control", passes::STEP_CONTROL, Arguments::Particles, &uses);
+            let mut all = vec![Pass { dispatch: Dispatch::Single, ..control }];
+            if plan.parameters.redo_substeps {
+                let keep = [
+                    (B::SortedPositions, Read),
+                    (B::SortedVelocities, Read),
+                    (B::SortedLives, Read),
+                    (B::Control, Read),
+                    (B::Befores, Write),
+                ];
+                let restore = [(B::Befores, Read), (B::Control, Read), (B::Particles, Write)];
+                let keep = with(bodies, keep.to_vec(), &[(B::Bodies, Read), (B::BodiesBefore, Write)]);
+                let restore = with(bodies, restore.to_vec(), &[(B::Bodies, Write), (B::BodiesBefore, Read)]);
+                let keep = with(solves, keep, &[(B::Solves, Read)]);
+                let restore = with(solves, restore, &[(B::Solves, Write), (B::Densities, Write)]);
+                let keep = with(kept > 0, keep, &[(B::Histories, Read)]);
+                let restore = with(kept > 0, restore, &[(B::Histories, Write)]);
+                let words = if solves { 1 } else { kept };
+                all.push(with_words(words, pass("keep_state", passes::REDO, Arguments::Keep, &keep)));
+                all.push(with_words(words, pass("restore_state", passes::REDO, Arguments::Restore, &restore)));
+            }
+            all
         }
         StageKind::DivergenceSolve => {
             let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);

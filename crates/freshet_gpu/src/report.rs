@@ -57,8 +57,7 @@ impl Arrival {
             divergence_iterations: control.divergence_iterations,
             density_iterations: control.density_iterations,
             unsolved: control.unsolved,
-            // It refuses plans that ask for it.
-            redone: 0,
+            redone: control.redone,
             removed: control.removed.0,
             not_finite: control.not_finite.0,
             retired: control.retired.0,

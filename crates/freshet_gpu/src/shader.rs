@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
-use freshet_core::plan::{Plan, StageKind};
+use freshet_core::plan::{Parameters, Plan, StageKind};
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::solver::SolverError;
 use freshet_core::variable_support::EVALUATIONS;
@@ -20,8 +20,8 @@ use crate::fine_grid::CELLS_PER_RADIUS;
 use crate::layout::bindings_module;
 use crate::options::GpuOptions;
 use crate::passes::{
-    Arguments, Pass, history_words, incompressible, moving_walls, needs_velocities, past_words, sample_arms,
-    solve_words,
+    Arguments, Pass, before_words, history_words, incompressible, moving_walls, needs_velocities, past_words,
+    sample_arms, solve_words,
 };
 
 /// Cells that a workgroup of the prefix sum handles.
@@ -62,9 +62,14 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("ARGUMENTS_ANSWERS", Arguments::Answers as u32);
     number("ARGUMENTS_FRICTION_LOADS", Arguments::FrictionLoads as u32);
     number("ARGUMENTS_FRICTION_SUMS", Arguments::FrictionSums as u32);
+    number("ARGUMENTS_KEEP", Arguments::Keep as u32);
+    number("ARGUMENTS_RESTORE", Arguments::Restore as u32);
     number("ARGUMENTS_DRAW", 3 * Arguments::COUNT);
     number("SOLVE_WORDS", solve_words(plan));
     number("HISTORY_WORDS", history_words(plan) as u32);
+    number("BEFORE_WORDS", before_words(plan) as u32);
+    number("MOST_REDOS", Parameters::MOST_REDOS);
+    number("REDO_SLACK_PERCENT", (100.0 * Parameters::REDO_SLACK).round() as u32);
     number("PAST_WORDS", past_words(plan) as u32);
     number("WIDTH_EVALUATIONS", EVALUATIONS);
     number("WALL_LATERAL_PERCENT", (100.0 * Plane::LATERAL_REACH).round() as u32);
@@ -103,7 +108,9 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("PASTS", past_words(plan) > 0),
         ("POSITION_BASED", plan.has(StageKind::PositionSolve)),
         ("LAST_SUBSTEP", parameters.density.is_carried() || plan.has(StageKind::PositionSolve)),
-        ("SPEEDS_OF_STATE", !incompressible(plan) && !plan.has(StageKind::PositionSolve)),
+        ("SPEEDS_OF_STATE", (!incompressible(plan) && !plan.has(StageKind::PositionSolve)) || parameters.redo_substeps),
+        ("KEPT_EXCESS", parameters.density.is_carried()),
+        ("REDO", parameters.redo_substeps),
         ("WALL_LENNARD_JONES", parameters.wall_method == WallMethod::LennardJones),
         ("WALL_KERNEL_FORCING", parameters.wall_method == WallMethod::KernelForcing),
         ("WALL_MONAGHAN", parameters.wall_method == WallMethod::MonaghanRepulsion),
@@ -121,13 +128,6 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     if let Some(name) = integrator_definition(parameters.integrator)? {
         set("INTEGRATOR");
         set(name);
-    }
-    if parameters.redo_substeps {
-        return Err(SolverError::Unsupported {
-            backend: "gpu",
-            what: "settings.redo_substeps".to_owned(),
-            reason: "it keeps no state to go back to; use the CPU, or leave it out".to_owned(),
-        });
     }
     match parameters.pressure_law.equation {
         EquationOfState::IdealGas { .. } => set("EQUATION_IDEAL_GAS"),

@@ -265,8 +265,32 @@ wgsl_struct! {
         lead: f32,
         /// Those of the removed that were not finite.
         not_finite: Atomic,
-        /// Unused.
-        pad_b: u32,
+        /// Of plans that make substeps again: 1 if the last substep is still to be judged by the state it left, else 0.
+        judged_next: u32,
+        /// How often the substep that is made now has been taken back.
+        redos: u32,
+        /// Length with which it is made again, s; zero for one that is not.
+        redo_substep: f32,
+        /// Substeps taken back in this tick.
+        redone: u32,
+        /// Bits of the largest speed of the state, where another one is in `max_speed`.
+        state_speed: Atomic,
+        /// What the fields of these names were when the substep began.
+        remaining_before: f32,
+        /// Likewise.
+        smallest_before: f32,
+        /// Likewise.
+        last_before: f32,
+        /// Likewise.
+        live_before: u32,
+        /// Likewise.
+        removed_before: u32,
+        /// Likewise.
+        retired_before: u32,
+        /// Likewise.
+        not_finite_before: u32,
+        /// Likewise, of `max_ratio`.
+        ratio_before: u32,
     }
 
     /// What a tick is told.

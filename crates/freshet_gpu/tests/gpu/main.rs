@@ -19,6 +19,7 @@ mod pipelined;
 mod position_based;
 mod quasi_fluid;
 mod reconfigure;
+mod redo;
 mod reference;
 mod rest;
 mod rough;
