@@ -51,8 +51,8 @@ pub fn spawn(
 ) -> Entity {
     let mut domain = FluidDomain::with_spacing(pool.spacing).on(pool.backend).in_mode(pool.mode);
     domain.settings.pressure_solver = FluidPressureSolver::divergence_free();
-    // What is heavy squeezes water out from under it as it lands, faster than the step before could know. Only the CPU can go back.
-    domain.settings.redo_substeps = pool.backend == FluidBackend::Cpu;
+    // What is heavy squeezes water out from under it as it lands, faster than the step before could know.
+    domain.settings.redo_substeps = true;
     let appearance = FluidAppearance { style: FluidStyle::water(), ..default() };
     let domain = commands.spawn((domain, appearance, Transform::IDENTITY)).id();
     let member = (ChildOf(domain), FluidInDomain(domain));

@@ -53,5 +53,22 @@ fn write_motion_arguments(moving: bool) {
     fields::set_arguments(#{ARGUMENTS_MOTION}u, threads::groups_for(select(0u, fields::control.live, moving)));
 #ifdef BODIES
     fields::set_arguments(#{ARGUMENTS_BODY_MOTION}u, threads::groups_for(select(0u, fields::parameters.bodies, moving)));
+#ifdef ROUGH_BODIES
+    fields::set_arguments(#{ARGUMENTS_FRICTION_LOADS}u, threads::groups_for(select(0u, fields::parameters.body_samples, moving)));
+    fields::set_arguments(#{ARGUMENTS_FRICTION_SUMS}u, threads::group_grid(select(0u, fields::parameters.bodies, moving)));
+#endif
 #endif
 }
+
+#ifdef REDO
+// Whether the state is kept that a substep starts from, and whether what was kept is put back.
+fn write_redo_arguments(keep: bool, restore: bool) {
+#ifdef BODIES
+    let count = max(fields::control.live, fields::parameters.bodies);
+#else
+    let count = fields::control.live;
+#endif
+    fields::set_arguments(#{ARGUMENTS_KEEP}u, threads::groups_for(select(0u, count, keep)));
+    fields::set_arguments(#{ARGUMENTS_RESTORE}u, threads::groups_for(select(0u, count, restore)));
+}
+#endif

@@ -200,10 +200,15 @@ fn wall_term(k: u32) -> f32 {
 
 #ifdef DRAGGING_WALLS
 // V_k (P_a + P_k + Pi_ak) f'(q) / q x_ak, P_k being `term`
-fn from_wall(own: Own, sample: fields::Sample, term: f32) -> vec3<f32> {
+fn from_wall(own: Own, k: u32, sample: fields::Sample, term: f32) -> vec3<f32> {
     let x = grid::difference(own.position, sample.position);
     let r_squared = dot(x, x);
-    let approach = sample.viscous_weight * dot(own.velocity, x);
+#ifdef MOVING_WALLS
+    let velocity = own.velocity - fields::wall_velocity(k);
+#else
+    let velocity = own.velocity;
+#endif
+    let approach = sample.viscous_weight * dot(velocity, x);
     let drag = own.artificial_scale * approach / ((r_squared + own.softening) * (2.0 * own.density));
     let factor = sample.weight * (own.pressure_term + term) - drag;
     return (factor * kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius)) * x;
@@ -292,7 +297,7 @@ fn acceleration_of(a: u32) -> vec3<f32> {
             let k = grid::member(walls, t);
             let sample = fields::sample(k);
 #ifdef DRAGGING_WALLS
-            samples += from_wall(own, sample, wall_term(k));
+            samples += from_wall(own, k, sample, wall_term(k));
 #else ifdef QUASI_FLUID_WALLS
             samples += from_quasi_fluid(own, sample, wall_term(k));
 #else

@@ -3,6 +3,7 @@
 // sample its share of the sum of V_k F that the drag is by, see body_drag.wgsl.
 //
 // body_load, body_sum: by the pressures, and how many samples the fluid reaches; of an incompressible fluid by those of the last substep.
+// friction_sum: adds what body_friction.wgsl left on the samples.
 // body_push, body_answer: in an iteration of its divergence solve by the change of pressures, and how bodies answer.
 
 #import freshet::bindings as fields
@@ -16,6 +17,7 @@
 
 #ifndef BODY_SUM
 #ifndef BODY_ANSWER
+#ifndef FRICTION_SUM
 fn pressure_of(a: u32) -> f32 {
 #ifdef BODY_PUSH
     return fields::change(a);
@@ -90,6 +92,7 @@ fn load_sample(k: u32) {
 #endif
     fields::set_sample_load(k, force, torque, wet);
 }
+#endif
 #endif
 #endif
 
@@ -190,6 +193,17 @@ fn body_answer(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         let linear = force[0] * fields::body_inverse_mass(body);
         let angular = fields::body_inverse_inertia(body) * torque[0];
         fields::set_answer(body, force[0], torque[0], linear, angular);
+    }
+}
+#endif
+
+#ifdef FRICTION_SUM
+@compute @workgroup_size(#{WORKGROUP_SIZE})
+fn friction_sum(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let body = threads::group_index(group);
+    sum_samples(body, local);
+    if (local == 0u && body < fields::parameters.bodies) {
+        fields::set_body_load(body, fields::body_force(body) + force[0], fields::body_torque(body) + torque[0]);
     }
 }
 #endif

@@ -1,6 +1,7 @@
 // Coulomb friction of walls, see freshet_core::scene::Friction. The walls push particle a with
 // n_a = -(1/G) rho0 sum_k V_k P_a F x_ak; each sample counts with its coefficient, in n_s with that of what sticks, in n_k with
-// that of what slides. With v = v_a + a_a dt and t its part across n_s: a_a -= t/dt if |t| <= |n_s| dt, else a_a -= |n_k| t/|t|.
+// that of what slides. With v = v_a + a_a dt - u and t its part across n_s: a_a -= t/dt if |t| <= |n_s| dt, else a_a -= |n_k| t/|t|.
+// u is the velocity of the walls, their mean by what they add to n_s.
 // Walls that are springs push with these instead.
 
 #import freshet::bindings as fields
@@ -11,6 +12,7 @@
 #import freshet::equation_of_state
 #endif
 #endif
+#import freshet::coulomb
 #import freshet::grid
 #import freshet::kernels
 #import freshet::threads
@@ -19,6 +21,11 @@
 struct Push {
     at_rest: vec3<f32>,
     sliding: vec3<f32>,
+#ifdef MOVING_WALLS
+    // Sums of V_k F times the coefficient of what sticks, and of that times velocities of walls.
+    size: f32,
+    surface: vec3<f32>,
+#endif
 }
 
 #ifdef WALL_SPRINGS
@@ -47,8 +54,14 @@ fn push_on(position: vec3<f32>, place: grid::Place) -> Push {
             let k = grid::member(walls, t);
             let sample = fields::sample(k);
             let x = grid::difference(position, sample.position);
-            let part = (sample.weight * kernels::slope_over_q(length(x) * inverse_radius)) * x;
+            let weight = sample.weight * kernels::slope_over_q(length(x) * inverse_radius);
+            let part = weight * x;
             let coefficients = fields::wall_friction(k);
+#ifdef MOVING_WALLS
+            let size = coefficients.x * weight;
+            push.size += size;
+            push.surface += size * fields::wall_velocity(k);
+#endif
             push.at_rest += coefficients.x * part;
             push.sliding += coefficients.y * part;
         }
@@ -56,21 +69,6 @@ fn push_on(position: vec3<f32>, place: grid::Place) -> Push {
     return push;
 }
 #endif
-
-// What friction takes of an acceleration, with `most` what it can hold, along the wall's normal.
-fn taken(velocity: vec3<f32>, most: vec3<f32>, sliding: f32, dt: f32) -> vec3<f32> {
-    let limit = length(most);
-    if (limit <= 1e-30) {
-        return vec3<f32>(0.0);
-    }
-    let normal = most / limit;
-    let along = velocity - normal * dot(velocity, normal);
-    let speed = length(along);
-    if (speed > limit * dt) {
-        return (sliding / speed) * along;
-    }
-    return select(vec3<f32>(0.0), along / dt, dt > 0.0);
-}
 
 @compute @workgroup_size(#{WORKGROUP_SIZE})
 fn friction(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
@@ -103,5 +101,11 @@ fn friction(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     let dt = fields::control.substep;
     let before = fields::acceleration(a);
     let sliding = length(scale * push.sliding);
-    fields::set_acceleration(a, before - taken(motion.xyz + dt * before, scale * push.at_rest, sliding, dt));
+    var velocity = motion.xyz + dt * before;
+#ifdef MOVING_WALLS
+    if (push.size < 0.0) {
+        velocity -= push.surface / push.size;
+    }
+#endif
+    fields::set_acceleration(a, before - coulomb::taken(velocity, scale * push.at_rest, sliding, dt));
 }

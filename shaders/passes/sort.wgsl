@@ -127,7 +127,11 @@ fn sort_reorder(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
 #ifdef SPEEDS_OF_STATE
     workgroupBarrier();
     if (local == 0u) {
+#ifdef INCOMPRESSIBLE
+        atomicMax(&fields::control.state_speed, atomicLoad(&group_speed));
+#else
         atomicMax(&fields::control.max_speed, atomicLoad(&group_speed));
+#endif
     }
 #endif
 }

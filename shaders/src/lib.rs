@@ -42,6 +42,10 @@ pub mod library {
         HITS = "hits.wgsl",
         /// Smoothing kernels.
         KERNELS = "kernels.wgsl",
+        /// Friction.
+        COULOMB = "coulomb.wgsl",
+        /// Bodies that particles stick to or rub on.
+        CONTACTS = "contacts.wgsl",
         /// How far the fluid is compressed.
         COMPRESSION = "compression.wgsl",
         /// Pressure from density.
@@ -98,12 +102,16 @@ pub mod passes {
         BODY_TOUCH = "body_touch.wgsl",
         /// Length and number of substeps.
         STEP_CONTROL = "step_control.wgsl",
+        /// States that substeps start from, kept and put back.
+        REDO = "redo.wgsl",
         /// Sums and steps of the solves of an incompressible fluid.
         PROJECTION = "projection.wgsl",
         /// Number of their iterations.
         SOLVE_CONTROL = "solve_control.wgsl",
         /// Friction of walls.
         FRICTION = "friction.wgsl",
+        /// Friction of bodies.
+        BODY_FRICTION = "body_friction.wgsl",
         /// Motion with the neighbours' mean velocity.
         XSPH = "xsph.wgsl",
         /// Motion of bodies.

@@ -57,8 +57,8 @@ fn wrong_walls_and_emitters_are_refused() {
     refuses(belt(Vec3::X), "FluidBoundary", &["velocity", "zero, as there is no settings.viscosity_model"]);
     refuses(belt(Vec3::INFINITY), "FluidBoundary", &["velocity", "inf", "-10000 to 10000 m/s"]);
     let far = Transform::from_xyz(0.0, 9.0, 0.0);
-    let moving = FluidBoundary::plane(1.0, 1.0).with_friction(FluidFriction::coulomb(0.5)).moving();
-    refuses((moving, far), "FluidBoundary", &["friction", "0.5", "none of a wall that moves"]);
+    let moving = FluidBoundary::plane(1.0, 1.0).with_friction(FluidFriction::coulomb(-0.5)).moving();
+    refuses((moving, far), "FluidBoundary", &["friction.sliding", "-0.5", "0 to 10"]);
     refuses((belt(Vec3::X).moving(), far), "FluidBoundary", &["velocity", "zero of a wall that moves"]);
     refuses(
         (FluidBoundary::cuboid(1.0, 0.01, 1.0).moving(), far),

@@ -227,6 +227,10 @@ pub struct Body {
     /// What its samples are.
     #[serde(default)]
     pub sampling: BodySampling,
+    /// Coulomb's friction, on all of its surface, none by default; of a body that the fluid does not move: see
+    /// [`Plan::check_input`](crate::plan::Plan::check_input).
+    #[serde(default)]
+    pub friction: Friction,
 }
 
 /// What the samples of a body are to the fluid.
@@ -325,7 +329,7 @@ pub struct Settings {
     /// Substep over `h^2 / nu`, 0.01 to 1.
     pub viscous_factor: f32,
     /// Whether a substep that turns out too long is taken back and made again in shorter ones (Pirovano 2011, §2.3.5): see
-    /// [`Parameters::redone`](crate::plan::Parameters::redone). On the CPU only.
+    /// [`Parameters::redone`](crate::plan::Parameters::redone).
     pub redo_substeps: bool,
     /// Most substeps in one tick, 1 to 100,000; what is left of the tick is carried to the next.
     pub max_substeps: u32,
@@ -636,7 +640,8 @@ impl Body {
     /// A body of the shape of a boundary, about the shape's own centre: for walls that move.
     ///
     /// Samples lie where those of a [`Boundary`] of this shape do. Give it, in each tick, an inverse mass of zero and the velocity it moves
-    /// with ([`BodyInput`](crate::step::BodyInput)). It pushes fluid and does not drag it along.
+    /// with ([`BodyInput`](crate::step::BodyInput)). It pushes fluid, and drags it along by
+    /// [`friction`](Self::friction) if it has that.
     ///
     /// ```
     /// use freshet_core::prelude::*;
@@ -671,6 +676,7 @@ impl Body {
                 return Err(InvalidInput::new("sampling.layers", format_args!("{layers:?}"), allowed));
             }
         }
+        self.friction.validate().map_err(|error| error.inside("friction"))?;
         if self.solids.len() > MAX_OBJECTS {
             let value = format!("{} of them", self.solids.len());
             return Err(InvalidInput::new("solids", value, format_args!("up to {MAX_OBJECTS}")));

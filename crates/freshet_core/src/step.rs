@@ -38,7 +38,8 @@ impl StepInput {
     /// Largest number of a tick, 2^63 - 1, so that the next one's can always be told.
     pub const MAX_TICK: u64 = (1 << 63) - 1;
 
-    /// Checks every number; `bodies` is the plan's number of bodies.
+    /// Checks every number; `bodies` is the plan's number of bodies. Solvers ask [`Plan::check_input`](crate::plan::Plan::check_input), which asks
+    /// more.
     pub fn validate(&self, bodies: usize) -> Result<(), InvalidInput> {
         if self.tick > Self::MAX_TICK {
             return Err(InvalidInput::new("tick", self.tick, "0 to 2^63 - 1"));

@@ -127,6 +127,7 @@ impl Work {
             }
             // Of particles beside such walls only.
             StageKind::Friction
+            | StageKind::BodyFriction
             | StageKind::WallForce
             | StageKind::WallCollision
             | StageKind::BodySort

@@ -148,9 +148,35 @@ fn friction_is_a_stage_of_plans_with_walls_that_have_it() {
     assert!(walls.frictions[rough..].iter().all(|&friction| friction == [0.0, 0.0]));
     scene.boundaries[1].friction = Friction::coulomb(0.1);
     scene.boundaries[1].velocity = Vec3::X;
-    scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
     let message = Plan::new(&scene).unwrap_err().to_string();
-    assert!(message.contains("boundaries[1].velocity") && message.contains("zero, as the boundary has friction"));
+    assert!(message.contains("boundaries[1].velocity") && message.contains("along every viscous face"), "{message}");
+    // A belt of its upper face; the others stand.
+    scene.boundaries[1].viscous_faces = [false, false, false, true, false, false];
+    let walls = Plan::new(&scene).unwrap().boundary;
+    let top = |k: &usize| *k >= rough && walls.positions[*k].y > 10.0 + 0.1;
+    let moving: Vec<usize> = (0..walls.positions.len()).filter(|&k| walls.velocities[k] == Vec3::X).collect();
+    assert!(!moving.is_empty() && moving.iter().all(top));
+    assert!((rough..walls.positions.len()).any(|k| walls.velocities[k] == Vec3::ZERO));
+    scene.boundaries[1].friction = Friction::default();
+    let message = Plan::new(&scene).unwrap_err().to_string();
+    assert!(message.contains("zero, as there is no settings.viscosity_model and no friction"), "{message}");
+}
+
+#[test]
+fn friction_of_bodies_is_a_stage_of_its_own() {
+    let mut scene = FluidScene { bodies: vec![cork()], ..dam_break() };
+    assert!(!Plan::new(&scene).unwrap().has(StageKind::BodyFriction));
+    scene.bodies[0].friction = Friction { at_rest: 0.5, sliding: 0.25 };
+    let plan = Plan::new(&scene).unwrap();
+    assert!(plan.has(StageKind::BodyFriction) && !plan.has(StageKind::Friction));
+    assert!(reason(&plan, StageKind::BodyFriction).contains("friction"));
+    scene.bodies[0].friction.at_rest = 0.2;
+    let message = Plan::new(&scene).unwrap_err().to_string();
+    assert!(message.contains("bodies[0].friction.at_rest") && message.contains("0.25 to 10"), "{message}");
+    scene.bodies[0].friction.at_rest = 0.5;
+    scene.settings.integrator = Integrator::VelocityCorrectedBeeman;
+    let message = Plan::new(&scene).unwrap_err().to_string();
+    assert!(message.contains("another one, as bodies[0] has friction"), "{message}");
 }
 
 #[test]

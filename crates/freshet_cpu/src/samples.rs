@@ -109,6 +109,11 @@ impl SortedSamples {
         [0, 1, 2].map(|axis| self.velocity.get(axis).or(self.velocity.first()).map_or(&[][..], Vec::as_slice))
     }
 
+    /// Whether any moves.
+    pub fn moves(&self) -> bool {
+        self.velocity.len() > 1
+    }
+
     /// Whether any drags the fluid along.
     pub fn drags(&self) -> bool {
         !self.viscous_volume.is_empty()

@@ -47,7 +47,7 @@ fn pass(plan: &Plan, stage: StageKind) -> ScheduledPass {
         // values of the iteration read, four written.
         StageKind::DivergenceSolve | StageKind::DensitySolve => 16 + 12 + 24 + 16 + 16,
         // Those beside bodies or walls only.
-        StageKind::BodyDensity | StageKind::WallDensity | StageKind::BodyDrag => 0,
+        StageKind::BodyDensity | StageKind::WallDensity | StageKind::BodyDrag | StageKind::BodyFriction => 0,
         // Position and pressure term read near the bodies.
         StageKind::BodyLoad => 16,
         // Position, velocity and acceleration read, position and velocity written.

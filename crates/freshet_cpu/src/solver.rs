@@ -32,7 +32,7 @@ use crate::lanes::PADDING;
 use crate::near_walls::PushingWalls;
 use crate::particles::Particles;
 use crate::passes::acceleration::Maxima;
-use crate::passes::body_drag::Drag;
+use crate::passes::body_contact::Drag;
 use crate::passes::body_motion::{MovingBody, remember};
 use crate::passes::body_sort::BodySamples;
 use crate::passes::commands::Population;
@@ -310,7 +310,7 @@ impl CpuSolver {
             self.walls.sort(&self.plan.grid, &boundary.positions, &boundary.volumes);
             self.walls.set_viscous(&boundary.viscous);
             self.walls.set_frictions(&boundary.frictions);
-            if self.plan.parameters.dynamic_viscosity > 0.0 {
+            if self.plan.parameters.dynamic_viscosity > 0.0 || !boundary.velocities.is_empty() {
                 self.walls.set_velocities(&boundary.velocities);
             }
         }
@@ -541,7 +541,7 @@ impl CpuSolver {
             let solves = self.plan.has(StageKind::DivergenceSolve);
             tally.timed("body_sort", || {
                 self.body_samples.update(&self.plan.grid, &self.plan.bodies, &self.bodies);
-                if solves || self.plan.has(StageKind::BodyDrag) {
+                if solves || self.plan.has(StageKind::BodyDrag) || self.plan.has(StageKind::BodyFriction) {
                     self.body_samples.find_arms(&self.bodies);
                 }
             });
@@ -577,7 +577,9 @@ impl CpuSolver {
                 false => self.body_load_stage(),
                 true => self.body_touch_stage(),
             });
-            self.add_drags();
+            if self.plan.has(StageKind::BodyDrag) {
+                self.add_drags();
+            }
             if tally.substeps == 0 || self.bodies.iter().any(|body| body.swollen < 1.0) {
                 let (grid, starts) = (&self.plan.grid, &self.sorter.starts);
                 let count = || self.body_samples.count_wetted(grid, starts, &self.particles, &mut self.wetted);
@@ -638,10 +640,16 @@ impl CpuSolver {
         }
     }
 
-    /// Stages `friction` and `xsph`, if the plan has them.
+    /// Stages `friction`, `body_friction` and `xsph`, if the plan has them.
     fn final_velocities(&mut self, dt: f32, tally: &mut Tally) {
         if self.plan.has(StageKind::Friction) {
             tally.timed("friction", || self.friction_stage(dt));
+        }
+        if self.plan.has(StageKind::BodyFriction) {
+            tally.timed("body_friction", || {
+                self.body_friction_stage(dt);
+                self.add_drags();
+            });
         }
         if self.plan.has(StageKind::Xsph) {
             tally.timed("xsph", || self.xsph_stage(dt));
@@ -659,7 +667,7 @@ impl FluidSolver for CpuSolver {
     }
 
     fn step(&mut self, input: &StepInput) -> Result<StepReport, SolverError> {
-        input.validate(self.plan.bodies.len())?;
+        self.plan.check_input(input)?;
         let workers = Arc::clone(&self.workers);
         Ok(workers.enter(self.particles.len, || self.tick(input)))
     }

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::candidates::Candidates;
 use crate::lanes::Sums;
 use crate::packed::Packed;
-use crate::passes::body_drag::Contact;
+use crate::passes::body_contact::Contact;
 
 /// Candidates of one cell packed in the ways of the passes, and its particles' sums. What a plan does not use takes no memory.
 #[derive(Default)]
@@ -18,9 +18,9 @@ pub struct Workspace {
     pub moving: Packed<6>,
     /// Samples that drag by artificial viscosity, with friction, or with a pressure.
     pub dragging: Packed<5>,
-    /// Samples that drag by a physical viscosity; fluid with its motion and density.
+    /// Samples that drag by a physical viscosity, or rub and move; fluid with its motion and density.
     pub sticking: Packed<7>,
-    /// Fluid with a viscosity.
+    /// Fluid with a viscosity; samples of bodies with their arms; samples that drag by artificial viscosity and move.
     pub viscous: Packed<8>,
     /// The same with the width of its support.
     pub wide: Packed<9>,
@@ -28,7 +28,7 @@ pub struct Workspace {
     pub sums: Sums,
     /// Of particles, over the walls.
     pub wall_sums: Sums,
-    /// Of particles, with bodies they stick to.
+    /// Of particles, with bodies they stick to or rub on.
     pub contacts: Vec<Contact>,
     /// Around a body's samples.
     pub candidates: Candidates,

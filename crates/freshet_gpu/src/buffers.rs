@@ -13,7 +13,9 @@ use crate::layout::{
 use crate::memory::{Held, Memory, TEXEL_BYTES, write_texels};
 use crate::options::GpuOptions;
 use crate::parameters::parameters;
-use crate::passes::{Arguments, answering_bodies, history_words, incompressible, sample_arms, solve_words};
+use crate::passes::{
+    Arguments, answering_bodies, before_words, history_words, incompressible, sample_arms, solve_words,
+};
 
 /// Ticks that can be prepared without their report being collected.
 pub(crate) const TICK_SLOTS: usize = 8;
@@ -74,8 +76,9 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
             Binding::Places => plan.has(StageKind::PositionSolve),
             Binding::Drifts => plan.has(StageKind::Xsph),
             Binding::Widths => plan.has(StageKind::Support),
-            Binding::Contacts => plan.has(StageKind::BodyDrag),
+            Binding::Contacts => plan.has(StageKind::BodyDrag) || plan.has(StageKind::BodyFriction),
             Binding::Histories => history_words(plan) > 0,
+            Binding::Befores => plan.parameters.redo_substeps,
             _ => true,
         };
         asked_for && binding.memory() == *binding
@@ -85,6 +88,7 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
             let each = match binding {
                 Binding::Solves => 4 * u64::from(solve_words(plan)),
                 Binding::Histories => 2 * 4 * history_words(plan),
+                Binding::Befores => 4 * before_words(plan),
                 _ => each,
             };
             need(binding, each * u64::from(capacity), state);
@@ -111,6 +115,9 @@ fn needs(plan: &Plan, capacity: u32) -> Vec<Need> {
     if !plan.bodies.is_empty() {
         let bodies = plan.bodies.len();
         need(Binding::Bodies, bytes(size_of::<BodyRecord>(), bodies), state);
+        if plan.parameters.redo_substeps {
+            need(Binding::BodiesBefore, bytes(size_of::<BodyRecord>(), bodies), Usage::STORAGE);
+        }
         need(Binding::BodyInputs, bytes(size_of::<BodyInputRecord>(), bodies * TICK_SLOTS), state);
         need(Binding::BodySamples, bytes(size_of::<BodySampleRecord>(), moving), state);
         need(Binding::BodySlots, bytes(4, moving), Usage::STORAGE);
@@ -286,6 +293,8 @@ fn body_records(plan: &Plan) -> (Vec<BodySampleRecord>, Vec<BodyRecord>) {
             sample_count: body.samples.len() as u32,
             reach: body.reach,
             swelling_reach: body.swelling_reach,
+            friction_at_rest: body.friction.at_rest,
+            friction_sliding: body.friction.sliding,
             ..Default::default()
         });
         let weighted = body.samples.iter().zip(&body.volumes).zip(&body.roots).enumerate();

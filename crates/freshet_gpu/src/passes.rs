@@ -38,11 +38,19 @@ pub(crate) enum Arguments {
     Answers,
     /// A thread for each sample of a wall.
     WallSamples,
+    /// A thread for each sample of a body, of which some have friction, that is moved.
+    FrictionLoads,
+    /// A group for each body, likewise.
+    FrictionSums,
+    /// A thread for each particle and each body whose state is kept, of plans that make substeps again.
+    Keep,
+    /// The same for those that go back to what was kept.
+    Restore,
 }
 
 impl Arguments {
     /// Number of indirect dispatches; the arguments of drawing come after them.
-    pub const COUNT: u32 = 12;
+    pub const COUNT: u32 = 16;
 
     /// Offset in bytes.
     pub fn offset(self) -> u64 {
@@ -143,7 +151,7 @@ pub(crate) fn answering_bodies(plan: &Plan) -> bool {
 
 /// Whether passes need to know where sorted samples of bodies are from which body's centre of mass.
 pub(crate) fn sample_arms(plan: &Plan) -> bool {
-    answering_bodies(plan) || plan.has(StageKind::BodyDrag)
+    answering_bodies(plan) || plan.has(StageKind::BodyDrag) || plan.has(StageKind::BodyFriction)
 }
 
 /// Words of each particle in [`Binding::Solves`].
@@ -155,6 +163,11 @@ pub(crate) fn solve_words(plan: &Plan) -> u32 {
 /// then the density that is carried.
 pub(crate) fn history_words(plan: &Plan) -> u64 {
     past_words(plan) + u64::from(plan.parameters.density.is_carried())
+}
+
+/// Words of each particle in [`Binding::Befores`]: its record, its density, and what is kept of it besides.
+pub(crate) fn before_words(plan: &Plan) -> u64 {
+    9 + u64::from(incompressible(plan)) + history_words(plan)
 }
 
 /// Those of the integrator.
@@ -169,9 +182,10 @@ pub(crate) fn needs_velocities(plan: &Plan) -> bool {
     parameters.artificial_viscosity > 0.0 || parameters.dynamic_viscosity > 0.0 || mueller
 }
 
-/// Whether fluid sticks to walls some of which move.
+/// Whether fluid sticks to walls some of which move, or rubs on them.
 pub(crate) fn moving_walls(plan: &Plan) -> bool {
-    !plan.boundary.velocities.is_empty() && WallDrag::of(plan) == WallDrag::Morris
+    let is_felt = WallDrag::of(plan) != WallDrag::None || plan.has(StageKind::Friction);
+    !plan.boundary.velocities.is_empty() && is_felt
 }
 
 /// The passes of one substep, in order.
@@ -187,7 +201,10 @@ pub(crate) fn substep_passes(plan: &Plan) -> Vec<Pass> {
 
 /// Whether a stage comes after the solves of an incompressible fluid.
 fn is_of_the_end(stage: StageKind) -> bool {
-    matches!(stage, StageKind::Friction | StageKind::Xsph | StageKind::BodyMotion | StageKind::Integrate)
+    matches!(
+        stage,
+        StageKind::Friction | StageKind::BodyFriction | StageKind::Xsph | StageKind::BodyMotion | StageKind::Integrate
+    )
 }
 
 fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
@@ -471,8 +488,28 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
             let uses = with(bodies, vec![(B::Control, Write), (B::Arguments, Write)], &[(B::Bodies, Read)]);
             let uses = with(answers, uses, &[(B::Answers, Read)]);
             // Dispatched in any case: past the tick's end it switches the motion off.
-            let pass = pass("step_control", passes::STEP_CONTROL, Arguments::Particles, &uses);
-            vec![Pass { dispatch: Dispatch::Single, ..pass }]
+            let control = pass("step_control", passes::STEP_CONTROL, Arguments::Particles, &uses);
+            let mut all = vec![Pass { dispatch: Dispatch::Single, ..control }];
+            if plan.parameters.redo_substeps {
+                let keep = [
+                    (B::SortedPositions, Read),
+                    (B::SortedVelocities, Read),
+                    (B::SortedLives, Read),
+                    (B::Control, Read),
+                    (B::Befores, Write),
+                ];
+                let restore = [(B::Befores, Read), (B::Control, Read), (B::Particles, Write)];
+                let keep = with(bodies, keep.to_vec(), &[(B::Bodies, Read), (B::BodiesBefore, Write)]);
+                let restore = with(bodies, restore.to_vec(), &[(B::Bodies, Write), (B::BodiesBefore, Read)]);
+                let keep = with(solves, keep, &[(B::Solves, Read)]);
+                let restore = with(solves, restore, &[(B::Solves, Write), (B::Densities, Write)]);
+                let keep = with(kept > 0, keep, &[(B::Histories, Read)]);
+                let restore = with(kept > 0, restore, &[(B::Histories, Write)]);
+                let words = if solves { 1 } else { kept };
+                all.push(with_words(words, pass("keep_state", passes::REDO, Arguments::Keep, &keep)));
+                all.push(with_words(words, pass("restore_state", passes::REDO, Arguments::Restore, &restore)));
+            }
+            all
         }
         StageKind::DivergenceSolve => {
             let uses = with(samples, neighbours.to_vec(), &[(B::Samples, Read)]);
@@ -524,6 +561,36 @@ fn stage_passes(stage: StageKind, plan: &Plan) -> Vec<Pass> {
                 ),
             ),
         )],
+        StageKind::BodyFriction => {
+            let pressures = [(B::Solves, Read), (B::Control, Read), (B::Contacts, Write)];
+            let rub = [
+                (B::SortedPositions, Read),
+                (B::SortedVelocities, Read),
+                (B::CellStarts, Read),
+                (B::Samples, Read),
+                (B::Bodies, Read),
+                (B::Control, Read),
+                (B::Accelerations, Write),
+                (B::Contacts, Write),
+            ];
+            let on_samples = [
+                (B::Bodies, Read),
+                (B::BodySamples, Read),
+                (B::SortedPositions, Read),
+                (B::CellStarts, Read),
+                (B::Contacts, Read),
+                (B::SampleLoads, Write),
+            ];
+            let on_bodies = [(B::SampleLoads, Read), (B::Bodies, Write)];
+            let rough = |name, dispatch, uses: &[(Binding, Access)]| pass(name, passes::BODY_FRICTION, dispatch, uses);
+            let copy = solves.then(|| with_words(1, rough("contact_pressure", Arguments::Motion, &pressures)));
+            let passes = [
+                rough("body_friction", Arguments::Motion, &rub),
+                rough("friction_load", Arguments::FrictionLoads, &on_samples),
+                pass("friction_sum", passes::BODY_LOAD, Arguments::FrictionSums, &on_bodies),
+            ];
+            copy.into_iter().chain(passes).collect()
+        }
         StageKind::Xsph => vec![with_words(
             past,
             pass(

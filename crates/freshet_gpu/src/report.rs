@@ -58,8 +58,7 @@ impl Arrival {
             density_iterations: control.density_iterations,
             residual: control.residual,
             unsolved: control.unsolved,
-            // It refuses plans that ask for it.
-            redone: 0,
+            redone: control.redone,
             removed: control.removed.0,
             not_finite: control.not_finite.0,
             retired: control.retired.0,

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use freshet_core::equation_of_state::EquationOfState;
 use freshet_core::integrator::Integrator;
 use freshet_core::kernel::KernelKind;
-use freshet_core::plan::{Plan, StageKind};
+use freshet_core::plan::{Parameters, Plan, StageKind};
 use freshet_core::pressure_force::PressureForce;
 use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::SolverError;
@@ -21,8 +21,8 @@ use crate::fine_grid::CELLS_PER_RADIUS;
 use crate::layout::bindings_module;
 use crate::options::GpuOptions;
 use crate::passes::{
-    Arguments, Pass, by_differences, history_words, incompressible, moving_walls, needs_velocities, past_words,
-    sample_arms, solve_words,
+    Arguments, Pass, before_words, by_differences, history_words, incompressible, moving_walls, needs_velocities,
+    past_words, sample_arms, solve_words,
 };
 
 /// Cells that a workgroup of the prefix sum handles.
@@ -62,9 +62,16 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     number("ARGUMENTS_PUSHES", Arguments::Pushes as u32);
     number("ARGUMENTS_ANSWERS", Arguments::Answers as u32);
     number("ARGUMENTS_WALL_SAMPLES", Arguments::WallSamples as u32);
+    number("ARGUMENTS_FRICTION_LOADS", Arguments::FrictionLoads as u32);
+    number("ARGUMENTS_FRICTION_SUMS", Arguments::FrictionSums as u32);
+    number("ARGUMENTS_KEEP", Arguments::Keep as u32);
+    number("ARGUMENTS_RESTORE", Arguments::Restore as u32);
     number("ARGUMENTS_DRAW", 3 * Arguments::COUNT);
     number("SOLVE_WORDS", solve_words(plan));
     number("HISTORY_WORDS", history_words(plan) as u32);
+    number("BEFORE_WORDS", before_words(plan) as u32);
+    number("MOST_REDOS", Parameters::MOST_REDOS);
+    number("REDO_SLACK_PERCENT", (100.0 * Parameters::REDO_SLACK).round() as u32);
     number("PAST_WORDS", past_words(plan) as u32);
     number("WIDTH_EVALUATIONS", EVALUATIONS);
     let [_, beside] = parameters.wall_method.reach_of_planes(1.0, parameters.support_radius / parameters.spacing);
@@ -101,6 +108,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("QUASI_FLUID_WALLS", !plan.boundary.own_densities.is_empty()),
         ("WALL_GHOSTS", parameters.wall_method == WallMethod::Ghosts && plan.has(StageKind::WallDensity)),
         ("STICKING_BODIES", plan.has(StageKind::BodyDrag)),
+        ("ROUGH_BODIES", plan.has(StageKind::BodyFriction)),
         ("PERIODIC", plan.grid.periodic.any()),
         ("HISTORIES", history_words(plan) > 0),
         ("PASTS", past_words(plan) > 0),
@@ -109,7 +117,9 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("DIFFERENCES", by_differences(plan)),
         ("MOVED_APART", plan.has(StageKind::PositionSolve)),
         ("LAST_SUBSTEP", parameters.density.is_carried() || plan.has(StageKind::PositionSolve)),
-        ("SPEEDS_OF_STATE", !incompressible(plan) && !plan.has(StageKind::PositionSolve)),
+        ("SPEEDS_OF_STATE", (!incompressible(plan) && !plan.has(StageKind::PositionSolve)) || parameters.redo_substeps),
+        ("KEPT_EXCESS", parameters.density.is_carried()),
+        ("REDO", parameters.redo_substeps),
         ("WALL_LENNARD_JONES", parameters.wall_method == WallMethod::LennardJones),
         ("WALL_KERNEL_FORCING", parameters.wall_method == WallMethod::KernelForcing),
         ("WALL_MONAGHAN", parameters.wall_method == WallMethod::MonaghanRepulsion),
@@ -127,13 +137,6 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
     if let Some(name) = integrator_definition(parameters.integrator)? {
         set("INTEGRATOR");
         set(name);
-    }
-    if parameters.redo_substeps {
-        return Err(SolverError::Unsupported {
-            backend: "gpu",
-            what: "settings.redo_substeps".to_owned(),
-            reason: "it keeps no state to go back to; use the CPU, or leave it out".to_owned(),
-        });
     }
     match parameters.pressure_law.equation {
         EquationOfState::IdealGas { .. } => set("EQUATION_IDEAL_GAS"),

@@ -187,7 +187,7 @@ impl GpuSolver {
     /// # Errors
     /// An input out of range, or eight ticks that were not collected.
     pub fn prepare(&mut self, queue: &wgpu::Queue, input: &StepInput) -> Result<(), SolverError> {
-        input.validate(self.plan.bodies.len())?;
+        self.plan.check_input(input)?;
         if self.prepared.len() + self.readback.in_flight() >= TICK_SLOTS {
             return Err(SolverError::Device(format!("{TICK_SLOTS} ticks are prepared and none collected")));
         }

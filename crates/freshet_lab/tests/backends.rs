@@ -5,6 +5,10 @@ use freshet_cpu::{CpuOptions, CpuSolver};
 use freshet_gpu::{DeviceRequest, GpuOptions, GpuSolver, open_device};
 use freshet_lab::measure::front::front;
 
+#[path = "../../freshet_cpu/tests/common/redo.rs"]
+mod redo;
+use redo::{SPACING, SPEED, block_on_a_body, collision, supersonic};
+
 /// Fields of one backend may differ from the other's by so much of the largest value: sums of some thirty terms in single
 /// precision, in another order.
 const TOLERANCE: f64 = 1e-4;
@@ -355,6 +359,41 @@ fn stages_with_walls_of_every_method_agree_and_a_wrong_constant_is_found() {
     }
 }
 
+/// A floor that runs as a belt, rough walls and a rough ball: a wrong constant is found.
+#[test]
+fn stages_with_friction_of_belts_and_bodies_agree_and_a_wrong_constant_is_found() {
+    let states = states(&Plan::new(&scene()).unwrap());
+    let mut scene = scene();
+    let floor = Boundary::new(BoundaryShape::Plane { half_extents: [0.5, 0.2] }, Vec3::new(0.5, 0.0, 0.2));
+    scene.boundaries[0] = Boundary {
+        shape: BoundaryShape::Container {
+            half_extents: Vec3::new(0.5, 0.4, 0.2),
+            open: [false, false, true, true, false, false],
+        },
+        ..scene.boundaries[0].clone()
+    };
+    scene.boundaries[0].friction = Friction { at_rest: 0.8, sliding: 0.3 };
+    let belt = floor.with_velocity(Vec3::new(2.0, 0.0, -0.5)).with_friction(Friction { at_rest: 1.5, sliding: 0.7 });
+    scene.boundaries.push(belt);
+    scene.bodies[0].friction = Friction { at_rest: 1.2, sliding: 0.6 };
+    scene.settings.max_substeps = 1;
+    let plan = Plan::new(&scene).unwrap();
+    let (mut cpu, mut right) = (cpu(&plan), gpu(&plan, None));
+    for (name, state) in &states {
+        compare(&plan, state, &mut cpu, &mut right).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+    for (from, to) in [
+        ("velocity -= push.surface / push.size;", "velocity -= 0.98 * push.surface / push.size;"),
+        ("own.velocity - fields::wall_velocity(k)", "own.velocity + 0.0 * fields::wall_velocity(k)"),
+        ("* taken);", "* 1.02 * taken);"),
+        ("coefficients.y * length(push)", "1.02 * coefficients.y * length(push)"),
+    ] {
+        let mut wrong = gpu(&plan, Some((from, to)));
+        let found = states.iter().any(|(_, state)| compare(&plan, state, &mut cpu, &mut wrong).is_err());
+        assert!(found, "{from} -> {to} went unnoticed");
+    }
+}
+
 /// The same, incompressible; solved so well that it does not matter whether one iteration more is made.
 fn incompressible(solver: DivergenceFree) -> FluidScene {
     let mut scene = scene();
@@ -512,6 +551,69 @@ fn compare_incompressible(scene: &FluidScene, states: &[Snapshot]) {
                 field.name(),
                 state.tick
             );
+        }
+    }
+}
+
+/// Substeps that are made again, from the same state at the start of each tick: as many on both backends, and the same state after them.
+#[test]
+fn substeps_made_again_agree_and_a_state_not_put_back_is_found() {
+    let exact = DivergenceFree { compression: 1e-5, divergence: 1e-6, max_iterations: 3000 };
+    let (mut on_a_body, body) = block_on_a_body();
+    let mut blocks = collision(true);
+    for scene in [&mut on_a_body, &mut blocks] {
+        scene.settings.pressure_solver = PressureSolver::DivergenceFree(exact);
+    }
+    let mut verlet = supersonic(true);
+    verlet.settings.integrator = Integrator::Verlet;
+    let mut carried = supersonic(true);
+    carried.settings.density = DensityForm::Continuity;
+    let duration = 0.8 * SPACING / SPEED;
+    let cases = [
+        (blocks, Vec::new(), duration),
+        (on_a_body, vec![body], 4e-3),
+        (supersonic(true), Vec::new(), 8e-3),
+        (verlet, Vec::new(), 8e-3),
+        (carried, Vec::new(), 8e-3),
+    ];
+    for (index, (scene, bodies, duration)) in cases.iter().enumerate() {
+        let plan = Plan::new(scene).unwrap();
+        let difference = |patch| {
+            let (mut cpu, mut gpu) = (cpu(&plan), gpu(&plan, patch));
+            let (mut redone, mut apart) = (0, 0.0f64);
+            for tick in 0..12 {
+                let state = cpu.snapshot().unwrap();
+                gpu.restore(&state).unwrap();
+                cpu.restore(&state).unwrap();
+                let input = StepInput { tick, duration: *duration, bodies: bodies.clone(), ..StepInput::default() };
+                let (a, b) = (cpu.step(&input).unwrap(), gpu.step(&input).unwrap());
+                let alike = (a.redone, a.substeps) == (b.redone, b.substeps)
+                    && (a.max_compression - b.max_compression).abs() < 1e-4
+                    && (a.max_speed - b.max_speed).abs() < 1e-4 * a.max_speed;
+                if !alike {
+                    return (redone, f64::INFINITY);
+                }
+                redone += a.redone;
+                for (a, b) in a.bodies.iter().zip(&b.bodies) {
+                    let off = (a.linear - b.linear).length() / a.linear.length().max(1e-3);
+                    apart = apart.max(f64::from(off));
+                }
+                for field in [Field::Position, Field::Velocity, Field::Density] {
+                    let (a, b) = (rows(&mut cpu, field), rows(&mut gpu, field));
+                    let largest = a.iter().flatten().fold(0.0f64, |most, value| most.max(value.abs()));
+                    let pairs = a.iter().flatten().zip(b.iter().flatten());
+                    apart = apart.max(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest);
+                }
+            }
+            (redone, apart)
+        };
+        let (redone, apart) = difference(None);
+        println!("{index}: {redone} made again, {apart:e} apart");
+        assert!(redone > 0 && apart < TOLERANCE, "{index}: {redone} made again, {apart:e} apart");
+        if index < 2 {
+            let (_, apart) = difference(Some(("0.5 * substep)", "0.45 * substep)")));
+            let (_, not_kept) = difference(Some(("kept_vector(a, 4u), life", "1.001 * kept_vector(a, 4u), life")));
+            assert!(apart > TOLERANCE && not_kept > TOLERANCE, "{index}: {apart:e} {not_kept:e}");
         }
     }
 }

@@ -94,7 +94,7 @@ fn the_quick_form_charts_cost_against_error_and_failures_as_failures() -> Result
         let found = points.iter().find(|point| point.configuration.name == name);
         found.unwrap_or_else(|| panic!("{name} was not run"))
     };
-    for name in ["tait", "dfsph"] {
+    for name in ["tait", "dfsph", "courant-0.8-redone"] {
         let (cost, error) = named(name).place().unwrap_or_else(|| panic!("{name} fails: {:?}", named(name)));
         assert!(cost > 0.0 && (0.001..0.1).contains(&error), "{name}: {cost} s, {error}");
         for (scene, trial) in CHOSEN_BY.iter().zip(&named(name).trials) {
@@ -141,7 +141,5 @@ fn the_gpu_is_as_far_off_as_the_cpu() -> Result<(), LabError> {
         let (cpu, gpu) = (error(Backend::Cpu)?, error(Backend::Gpu)?);
         assert!((cpu - gpu).abs() < 2e-3, "{name}: {cpu} on the CPU, {gpu} on the GPU");
     }
-    let redone = (CHOSEN_BY[2].simulate)(&job("courant-0.8-redone", Backend::Gpu, 300)?)?;
-    assert_eq!(redone.failure(), Some(Failure::Refused));
     Ok(())
 }

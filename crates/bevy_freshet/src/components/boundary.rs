@@ -37,12 +37,11 @@ pub struct FluidBoundary {
     /// Faces that drag the fluid along: -x, +x, -y, +y, -z, +z; of a plane and a half-space +y counts. Along the others it
     /// slips freely. Shapes without these faces are viscous everywhere if any is true. Along a wall that moves it slips.
     pub viscous_faces: [bool; 6],
-    /// Coulomb's friction, on all of its surface; none by default, and none of one that moves or has a
-    /// [`velocity`](Self::velocity).
+    /// Coulomb's friction, on all of its surface, whether it stands, moves, or has a [`velocity`](Self::velocity); none by default.
     pub friction: FluidFriction,
     /// Velocity of the surface along every viscous face, m/s, up to 1e4, in the boundary's own axes: it stays where it is and moves as a belt
-    /// does. Only with a [viscosity model](super::settings::FluidSettings::viscosity_model), without which nothing would feel it; zero for
-    /// viscous shapes without faces, and for one that moves.
+    /// does. Only with [`friction`](Self::friction) or a [viscosity model](super::settings::FluidSettings::viscosity_model), without which nothing would
+    /// feel it; zero for viscous shapes without faces, and for one that moves.
     pub velocity: Vec3,
     /// What follows from a [`Transform`] that changes.
     pub motion: FluidWallMotion,

@@ -17,7 +17,7 @@ pub struct FluidContainer {
     pub open: [bool; 6],
     /// Faces that drag the fluid along: -x, +x, -y, +y, -z, +z. Along the others it slips freely, and along a container that moves.
     pub viscous_faces: [bool; 6],
-    /// Coulomb's friction of all walls; none by default, and none of walls that move or have a [`velocity`](Self::velocity).
+    /// Coulomb's friction of all walls, whether they stand, move, or have a [`velocity`](Self::velocity); none by default.
     pub friction: FluidFriction,
     /// Velocity of the walls' surfaces as of belts, in the container's own axes: see [`FluidBoundary::velocity`](super::boundary::FluidBoundary::velocity).
     pub velocity: Vec3,

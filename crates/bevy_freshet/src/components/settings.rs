@@ -71,7 +71,7 @@ pub struct FluidSettings {
     pub force_factor: f32,
     /// Substep over `h^2 / nu`, 0.01 to 1.
     pub viscous_factor: f32,
-    /// Whether a substep that turns out too long is made again in shorter ones: see [`Settings::redo_substeps`]. On the CPU only.
+    /// Whether a substep that turns out too long is made again in shorter ones: see [`Settings::redo_substeps`].
     pub redo_substeps: bool,
     /// Where particles may be, lower and upper corner in the domain's frame, m; those that leave are removed, and volumes must
     /// lie inside. None: four times the size of fluid and walls around them.

@@ -37,7 +37,8 @@ impl From<Friction> for FluidFriction {
 /// A wall that moves pushes the fluid with the velocity of its surface: in each fixed tick it goes from where it was in the tick before
 /// to where it is, straight and turning evenly, and when it stands still it pushes no more. Move it in `FixedUpdate`, before
 /// [`FreshetSystems::Plan`](crate::simulation::sets::FreshetSystems::Plan), or in `FixedPreUpdate`: what is moved once a frame stands still in the frame's other ticks. It is not sampled
-/// anew; its samples are sorted in each substep. Fluid slips along it, and it has no friction.
+/// anew; its samples are sorted in each substep. Its friction drags fluid along; without, fluid slips along it if there is no
+/// [viscosity model](super::settings::FluidSettings::viscosity_model).
 ///
 /// Fluid that leaves the domain's bounds is removed. Unless [`FluidSettings::bounds`](super::settings::FluidSettings::bounds) says otherwise they reach
 /// four times a wall's size around the place where it was planned; a wall that goes out of them is a
@@ -88,12 +89,11 @@ impl From<Friction> for FluidFriction {
 #[reflect(Default, Clone, Debug, PartialEq)]
 pub enum FluidWallMotion {
     /// It stands until it is moved for the first time, other than while time stands still. Then the domain is planned anew, once, and from there on it
-    /// is one that moves, for as long as the entity has the component: fluid that it dragged along slips from there on, and friction it has is a
-    /// [`FluidProblem`](super::problem::FluidProblem). [`FluidStats::notes`](super::stats::FluidStats::notes) name it.
+    /// is one that moves, for as long as the entity has the component: fluid that only artificial viscosity dragged along slips from there on.
+    /// [`FluidStats::notes`](super::stats::FluidStats::notes) name it.
     #[default]
     Auto,
-    /// It stands: to move it is to put it elsewhere, for which the domain is planned anew each time. It pushes nothing, drags, and may
-    /// have friction.
+    /// It stands: to move it is to put it elsewhere, for which the domain is planned anew each time. It pushes nothing.
     Still,
     /// It moves, from the start.
     Moving,

@@ -263,21 +263,17 @@ impl Gather<'_, '_, '_, '_> {
         let turned = if velocity.is_finite() { rotation * velocity } else { velocity };
         let boundary = Boundary { rotation, viscous_faces, friction, velocity: turned, ..Boundary::new(shape, center) };
         let wall = Wall { entity, component, boundary };
-        let mut complain = |error: InvalidInput| self.problems.push(Problem::new(entity, component, error));
         if !self.motions.moves(motion, &wall) {
             walls.still.push(wall);
             return;
         }
-        if friction != Friction::default() {
-            let allowed = "none of a wall that moves (motion: Still keeps it)";
-            complain(InvalidInput::new("friction", format_args!("{friction:?}"), allowed));
-        }
         if velocity != Vec3::ZERO {
-            complain(InvalidInput::new("velocity", velocity, "zero of a wall that moves (motion: Still keeps it)"));
+            let error = InvalidInput::new("velocity", velocity, "zero of a wall that moves (motion: Still keeps it)");
+            self.problems.push(Problem::new(entity, component, error));
         }
         let from = self.motions.stood(&wall).map(Wall::pose);
         let (shape, is_auto) = (wall.boundary.shape, motion == FluidWallMotion::Auto);
-        walls.movers.push(Mover { entity, component, shape, stretch, pose, from, is_auto });
+        walls.movers.push(Mover { entity, component, shape, friction, stretch, pose, from, is_auto });
     }
 
     /// A wall whose shape is made of a mesh, heights or an image.

@@ -6,7 +6,7 @@ use freshet_core::error::InvalidInput;
 use freshet_core::leaks::{LeakWatch, WallPose};
 use freshet_core::plan::Plan;
 use freshet_core::sampling::wall_layer::WallLayer;
-use freshet_core::scene::{Body, Boundary, BoundaryShape};
+use freshet_core::scene::{Body, Boundary, BoundaryShape, Friction};
 use freshet_core::step::BodyInput;
 
 use super::gather::rigid_frame;
@@ -24,6 +24,7 @@ pub(crate) struct Mover {
     pub(crate) entity: Entity,
     pub(crate) component: &'static str,
     pub(crate) shape: BoundaryShape,
+    pub(crate) friction: Friction,
     /// How its vertices were stretched; none if it may have no scale.
     pub(crate) stretch: Option<Mat3>,
     /// Where it is now, in the domain's frame.
@@ -38,7 +39,7 @@ impl Mover {
     /// The same as a wall that stands where it is now.
     pub(crate) fn boundary(&self) -> Boundary {
         let (center, rotation) = (self.pose.translation.into(), self.pose.rotation);
-        Boundary { rotation, ..Boundary::new(self.shape.clone(), center) }
+        Boundary { rotation, friction: self.friction, ..Boundary::new(self.shape.clone(), center) }
     }
 
     /// What its user may not expect of it.
@@ -46,8 +47,8 @@ impl Mover {
         let Self { entity, component, .. } = self;
         let message = || {
             format!(
-                "{component} of entity {entity} moves because it has been moved (motion: Auto): fluid slips along it from here on, without drag \
-                 or friction; motion: Still keeps them, Moving leaves this note out"
+                "{component} of entity {entity} moves because it has been moved (motion: Auto): from here on its friction and a viscosity_model \
+                 drag fluid along, artificial viscosity and viscous_faces do not; motion: Still keeps those, Moving leaves this note out"
             )
         };
         self.is_auto.then(message)
@@ -73,16 +74,17 @@ struct MadeBody {
 impl MoverBodies {
     /// The body of a wall.
     pub(crate) fn body(&mut self, mover: &Mover, layer: &WallLayer) -> Result<Body, InvalidInput> {
+        mover.friction.validate().map_err(|error| error.inside("friction"))?;
         let is_made = |made: &MadeBody| made.layer == *layer && made.shape == mover.shape;
         if let Some(made) = self.0.get(&mover.entity).filter(|made| is_made(made)) {
-            return made.body.clone();
+            return made.body.clone().map(|body| Body { friction: mover.friction, ..body });
         }
         // Solvers know bodies of successive plans by their names.
         let name = format!("{} of entity {}", mover.component, mover.entity);
         let body = Body::of_shape(&name, mover.shape.clone(), layer).map(|body| Body { at_once: true, ..body });
         let made = MadeBody { shape: mover.shape.clone(), layer: *layer, body: body.clone() };
         self.0.insert(mover.entity, made);
-        body
+        body.map(|body| Body { friction: mover.friction, ..body })
     }
 
     /// Forgets those of other walls.
@@ -290,6 +292,7 @@ mod tests {
                 entity,
                 component: "",
                 shape,
+                friction: Friction::default(),
                 stretch: None,
                 pose: Isometry3d::IDENTITY,
                 from: None,

@@ -114,7 +114,7 @@ impl Recipe {
 
     /// Whether the same walls move.
     pub(crate) fn has_movers_of(&self, other: &Self) -> bool {
-        same(&self.movers, &other.movers, |a, b| a.entity == b.entity && a.shape == b.shape)
+        same(&self.movers, &other.movers, |a, b| a.entity == b.entity && a.shape == b.shape && a.friction == b.friction)
     }
 
     /// The scene, without bodies and walls that move, whose samples the caller adds.

@@ -653,7 +653,7 @@ pub const CONFIGURATIONS: &[Configuration] = &[
             scene.settings.redo_substeps = true;
         },
         "long steps, and shorter ones made again at impacts",
-        "the GPU, which keeps no state to go back to",
+        "flows without impacts, which pay for the copies",
     ),
     of(
         Step,

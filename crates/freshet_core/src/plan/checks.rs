@@ -35,6 +35,8 @@ pub(super) fn check_quasi_fluid(scene: &FluidScene) -> Result<(), InvalidInput> 
         "a settings.widest_support above 1"
     } else if scene.physical_viscosity().is_some() {
         "a settings.viscosity_model"
+    } else if scene.bodies.iter().any(|body| body.friction.is_some()) {
+        "the friction of a body"
     } else {
         return Ok(());
     };
@@ -72,9 +74,11 @@ pub(super) fn check_carried_density(scene: &FluidScene) -> Result<(), InvalidInp
 /// Refuses an integrator under which what friction holds does not come to rest: it may take all of a velocity in a substep.
 pub(super) fn check_friction(scene: &FluidScene) -> Result<(), InvalidInput> {
     let integrator = scene.settings.integrator;
-    let held = scene.boundaries.iter().position(|boundary| boundary.friction.is_some());
-    if let Some(index) = held.filter(|_| integrator.drag_limit() < 1.0) {
-        let allowed = format!("another one, as boundaries[{index}] has friction");
+    let wall = scene.boundaries.iter().position(|boundary| boundary.friction.is_some());
+    let body = scene.bodies.iter().position(|body| body.friction.is_some());
+    let held = wall.map(|index| ("boundaries", index)).or(body.map(|index| ("bodies", index)));
+    if let Some((kind, index)) = held.filter(|_| integrator.drag_limit() < 1.0) {
+        let allowed = format!("another one, as {kind}[{index}] has friction");
         return Err(InvalidInput::new("settings.integrator", integrator.name(), allowed));
     }
     Ok(())

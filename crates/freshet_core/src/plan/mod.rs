@@ -13,7 +13,7 @@ mod stages;
 
 use std::collections::HashMap;
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 pub use self::error::SceneError;
 pub use self::left_out::LeftOut;
@@ -45,6 +45,7 @@ use crate::pressure_solver::{
 use crate::relaxation::Relaxation;
 use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{FluidScene, MAX_SPACING, MIN_SPACING};
+use crate::step::StepInput;
 use crate::tensile_correction::POSITIVE;
 
 /// What is executed, in order, with the reason of each stage.
@@ -293,6 +294,24 @@ impl Plan {
             lifetimes,
             notes,
         })
+    }
+
+    /// Checks every number of a tick's input, and that the bodies with friction are such that the fluid does not move: one that answers would get, in
+    /// one substep, what every particle that sticks to it gives it of the same difference of velocities.
+    ///
+    /// # Errors
+    /// The first number that is out of range.
+    pub fn check_input(&self, input: &StepInput) -> Result<(), InvalidInput> {
+        input.validate(self.bodies.len())?;
+        for (index, (body, given)) in self.bodies.iter().zip(&input.bodies).enumerate() {
+            let moves = given.inverse_mass > 0.0 || given.inverse_inertia != Mat3::ZERO;
+            if moves && body.friction.is_some() {
+                let field = format!("bodies[{index}].inverse_mass");
+                let allowed = "0, with an inverse inertia of 0, of a body with friction";
+                return Err(InvalidInput::new(field, given.inverse_mass, allowed));
+            }
+        }
+        Ok(())
     }
 
     /// Whether the plan has a stage.

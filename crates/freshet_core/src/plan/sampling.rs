@@ -13,7 +13,9 @@ use crate::periodic::Periodic;
 use crate::sampling::lattice::{sample_box, sample_sphere};
 use crate::sampling::quasi_fluid;
 use crate::sampling::wall_layer::WallLayer;
-use crate::scene::{Body, BodySampling, Boundary, BoundaryShape, FluidSide, MAX_PARTICLES, Shape, Volume, side_of};
+use crate::scene::{
+    Body, BodySampling, Boundary, BoundaryShape, FluidSide, Friction, MAX_PARTICLES, Shape, Volume, side_of,
+};
 use crate::solid::Solid;
 use crate::swelling;
 use crate::wall_method::{Face, WallMethod, face_of};
@@ -28,7 +30,7 @@ pub struct PlannedBoundary {
     pub volumes: Vec<f32>,
     /// Whether the fluid's viscosity acts between it and the sample.
     pub viscous: Vec<bool>,
-    /// Velocities of the surfaces they stand for, m/s; empty if none moves.
+    /// Velocities of the surfaces they stand for, m/s, zero for those that do not drag; empty if none moves.
     pub velocities: Vec<Vec3>,
     /// Coefficients of friction of what sticks and of what slides; empty if there is none.
     pub frictions: Vec<[f32; 2]>,
@@ -60,6 +62,8 @@ pub struct PlannedBody {
     pub swelling_reach: f32,
     /// Whether it is wholly there at once, wherever it comes.
     pub at_once: bool,
+    /// Friction of its surface.
+    pub friction: Friction,
     /// What its own samples add to the density of each, over the density at rest, if they are [quasi-fluid](crate::sampling::quasi_fluid); else
     /// empty.
     pub own_densities: Vec<f32>,
@@ -153,7 +157,8 @@ pub(super) fn sample_boundaries(
             planned.faces.extend(samples.iter().map(|&sample| face_of(boundary, layer, sample)));
         }
         if boundaries.iter().any(|boundary| boundary.velocity != Vec3::ZERO) {
-            planned.velocities.extend(samples.iter().map(|_| boundary.velocity));
+            let drags = planned.viscous[planned.positions.len()..].iter();
+            planned.velocities.extend(drags.map(|&drags| if drags { boundary.velocity } else { Vec3::ZERO }));
         }
         if boundaries.iter().any(|boundary| boundary.friction.is_some()) {
             let friction = boundary.friction;
@@ -327,6 +332,7 @@ pub(super) fn plan_body(
         roots,
         swelling_reach,
         at_once: body.at_once,
+        friction: body.friction,
         own_densities,
     })
 }

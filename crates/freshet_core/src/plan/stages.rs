@@ -44,6 +44,8 @@ pub enum StageKind {
     DivergenceSolve,
     /// What walls with friction take of velocities along them.
     Friction,
+    /// What bodies with friction take of velocities along them.
+    BodyFriction,
     /// How much faster or slower than with their own velocity particles move, for the mean velocity around them.
     Xsph,
     /// Moves particles apart where the fluid is compressed.
@@ -74,6 +76,7 @@ impl StageKind {
             StageKind::StepControl => "step_control",
             StageKind::DivergenceSolve => "divergence_solve",
             StageKind::Friction => "friction",
+            StageKind::BodyFriction => "body_friction",
             StageKind::Xsph => "xsph",
             StageKind::DensitySolve => "density_solve",
             StageKind::BodyMotion => "body_motion",
@@ -219,6 +222,9 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
     }
     if scene.boundaries.iter().any(|boundary| boundary.friction.is_some()) {
         add(StageKind::Friction, "boundaries have friction, which holds or slows what they carry");
+    }
+    if scene.bodies.iter().any(|body| body.friction.is_some()) {
+        add(StageKind::BodyFriction, "bodies have friction, which holds or slows what they carry, or drags it along");
     }
     if scene.settings.xsph > 0.0 {
         let share = scene.settings.xsph;

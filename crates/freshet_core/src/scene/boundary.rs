@@ -155,11 +155,11 @@ pub struct Boundary {
     #[serde(default = "every_face")]
     pub viscous_faces: [bool; 6],
     /// Velocity of the surface, m/s, up to 1e4, along every viscous face, in world axes: the wall stays where it is and moves as
-    /// a belt does. Zero unless there is a [viscosity model](super::Settings::viscosity_model), without which nothing would feel it,
-    /// and for viscous shapes without faces, no vector being along all of their surface.
+    /// a belt does. Zero unless there is [friction](Self::friction) or a [viscosity model](super::Settings::viscosity_model), without which nothing
+    /// would feel it, and for viscous shapes without faces, no vector being along all of their surface. The other faces stand.
     #[serde(default)]
     pub velocity: Vec3,
-    /// Coulomb's friction, on all of its surface; none by default, and none of a surface that moves.
+    /// Coulomb's friction, on all of its surface, whether it stands or moves as a belt; none by default.
     #[serde(default)]
     pub friction: Friction,
 }
@@ -258,11 +258,9 @@ impl Boundary {
         if self.velocity == Vec3::ZERO {
             return Ok(());
         }
-        if self.friction.is_some() {
-            return Err(InvalidInput::new("velocity", self.velocity, "zero, as the boundary has friction"));
-        }
-        if model.is_none() {
-            return Err(InvalidInput::new("velocity", self.velocity, "zero, as there is no settings.viscosity_model"));
+        if model.is_none() && !self.friction.is_some() {
+            let allowed = "zero, as there is no settings.viscosity_model and no friction";
+            return Err(InvalidInput::new("velocity", self.velocity, allowed));
         }
         if !self.shape.has_faces() && self.viscous_faces.contains(&true) {
             return Err(InvalidInput::new(

@@ -205,13 +205,25 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: 
                     morris1997::add_walls::<S, K>(simd, pairs, own, sticking, wall_sums);
                 }
                 if is_artificial && !is_physical && samples.drags() {
-                    let [volume, viscous] = [&samples.volume, &samples.viscous_volume];
-                    if samples.pressure_term.is_empty() {
-                        dragging.pack(simd, list, [x, y, z, volume, viscous], at);
-                        add_viscous_samples::<S, K, 5>(simd, pairs, own, dragging, sums);
-                    } else {
-                        moving.pack(simd, list, [x, y, z, volume, viscous, &samples.pressure_term], at);
-                        add_viscous_samples::<S, K, 6>(simd, pairs, own, moving, sums);
+                    let [volume, weight, term] = [&*samples.volume, &*samples.viscous_volume, &*samples.pressure_term];
+                    let [u, v, w] = samples.velocity();
+                    match (samples.moves(), term.is_empty()) {
+                        (false, true) => {
+                            dragging.pack(simd, list, [x, y, z, volume, weight], at);
+                            add_viscous_samples::<S, K, 5>(simd, pairs, own, dragging, sums);
+                        }
+                        (false, false) => {
+                            moving.pack(simd, list, [x, y, z, volume, weight, term], at);
+                            add_viscous_samples::<S, K, 6>(simd, pairs, own, moving, sums);
+                        }
+                        (true, true) => {
+                            viscous.pack(simd, list, [x, y, z, volume, weight, u, v, w], at);
+                            add_viscous_samples::<S, K, 8>(simd, pairs, own, viscous, sums);
+                        }
+                        (true, false) => {
+                            wide.pack(simd, list, [x, y, z, volume, weight, u, v, w, term], at);
+                            add_viscous_samples::<S, K, 9>(simd, pairs, own, wide, sums);
+                        }
                     }
                 } else if !samples.pressure_term.is_empty() {
                     dragging.pack(simd, list, [x, y, z, &samples.volume, &samples.pressure_term], at);
@@ -497,7 +509,8 @@ fn add_quasi_fluid<S: Simd, K: SimdKernel>(
     }
 }
 
-/// `rho0/m sum_k V_k (P_a + P_k + Pi_ak) f'(q)/q x_ak` over walls that do not move, for each of a cell's particles; `P_k` of quasi-fluid comes last.
+/// `rho0/m sum_k V_k (P_a + P_k + Pi_ak) f'(q)/q x_ak` over walls, for each of a cell's particles. Quantities six to eight are the velocities of walls that
+/// move, where there are eight or more; the last of six or nine is `P_k` of quasi-fluid.
 #[inline(always)]
 fn add_viscous_samples<S: Simd, K: SimdKernel, const N: usize>(
     simd: S,
@@ -510,17 +523,22 @@ fn add_viscous_samples<S: Simd, K: SimdKernel, const N: usize>(
     let mut first = 0;
     while first < all.len() {
         let lanes = all.lanes::<S>(first);
-        let weight = simd.mul_f32s(pairs.relative_factor, lanes[3]);
-        let viscous_weight = simd.mul_f32s(simd.mul_f32s(pairs.relative_factor, lanes[4]), pairs.viscosity);
+        let [x, y, z, volume, viscous_volume] = [0, 1, 2, 3, 4].map(|quantity| lanes[quantity]);
+        let weight = simd.mul_f32s(pairs.relative_factor, volume);
+        let viscous_weight = simd.mul_f32s(simd.mul_f32s(pairs.relative_factor, viscous_volume), pairs.viscosity);
+        let relative = |value: f32, axis: usize| match lanes.get(5 + axis) {
+            Some(&surface) if N >= 8 => simd.sub_f32s(simd.splat_f32s(value), surface),
+            _ => simd.splat_f32s(value),
+        };
         let motions = vx.iter().zip(vy).zip(vz).zip(own.density);
         for ((sum, position, own_term), (((&u, &v), &w), &own_density)) in own.with(sums).zip(motions) {
-            let ([dx, dy, dz], squared) = difference(simd, position, [lanes[0], lanes[1], lanes[2]]);
-            let approach = simd.mul_f32s(simd.splat_f32s(u), dx);
-            let approach = simd.mul_add_f32s(simd.splat_f32s(v), dy, approach);
-            let approach = simd.mul_add_f32s(simd.splat_f32s(w), dz, approach);
+            let ([dx, dy, dz], squared) = difference(simd, position, [x, y, z]);
+            let approach = simd.mul_f32s(relative(u, 0), dx);
+            let approach = simd.mul_add_f32s(relative(v, 1), dy, approach);
+            let approach = simd.mul_add_f32s(relative(w, 2), dz, approach);
             let divisor = simd.mul_f32s(simd.add_f32s(squared, pairs.softening), simd.splat_f32s(2.0 * own_density));
             let own_term = simd.splat_f32s(own_term);
-            let term = if N == 6 { simd.add_f32s(own_term, lanes[N - 1]) } else { own_term };
+            let term = if N == 6 || N == 9 { simd.add_f32s(own_term, lanes[N - 1]) } else { own_term };
             let pressure = simd.mul_f32s(weight, term);
             let strength = minus_quotient(simd, pressure, simd.mul_f32s(viscous_weight, approach), divisor);
             add(simd, sum, simd.mul_f32s(strength, pairs.slope::<K>(simd, squared)), [dx, dy, dz]);

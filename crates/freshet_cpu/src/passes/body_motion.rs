@@ -109,6 +109,11 @@ impl MovingBody {
         self.rotation = left.rotation;
     }
 
+    /// Velocity of its surface at a place so far from its centre of mass, m/s.
+    pub fn surface_velocity(&self, arm: Vec3) -> Vec3 {
+        self.linear_velocity + self.drift + (self.angular_velocity + self.turn).cross(arm)
+    }
+
     /// What no sample is faster than, m/s.
     pub fn speed(&self) -> f32 {
         (self.linear_velocity + self.drift).length() + (self.angular_velocity + self.turn).length() * self.reach

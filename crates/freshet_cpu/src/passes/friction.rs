@@ -2,7 +2,9 @@
 //!
 //! The walls push particle a with `n_a = -(1/G) rho0 sum_k V_k P_a F x_ak`, the pressure part of its acceleration, and in the sums
 //! below each sample counts with its coefficient of friction: `n_s` with that of what sticks, `n_k` with that of what slides. With
-//! `v = v_a + a_a dt` and `t` its part across `n_s`: `a_a -= t/dt` if `|t| <= |n_s| dt`, else `a_a -= |n_k| t/|t|`.
+//! `v = v_a + a_a dt - u` and `t` its part across `n_s`: `a_a -= t/dt` if `|t| <= |n_s| dt`, else `a_a -= |n_k| t/|t|`.
+//!
+//! `u` is the velocity of the walls, their mean by what they add to `n_s`.
 //!
 //! Walls that are [springs](freshet_core::wall_method::SpringDamper) push with these instead of a pressure.
 
@@ -77,8 +79,9 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Task { inputs, chunk, workspace, candidates, acceleration: [ax, ay, az] } = self.0;
         let [x, y, z] = &inputs.particles.position;
-        let Workspace { dragging: rough, sums, .. } = workspace;
+        let Workspace { dragging: rough, sticking: moving, sums, wall_sums, .. } = workspace;
         rough.begin(inputs.grid);
+        moving.begin(inputs.grid);
         let in_radii = ScaledRoot::new(simd, 1.0 / inputs.grid.support_radius);
         let mut lists = candidates.lists();
         for cell in chunk.cells.clone() {
@@ -100,7 +103,13 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
             let [at_rest, sliding] = &inputs.walls.friction;
             rough.pack(simd, list, [walls_x, walls_y, walls_z, at_rest, sliding], own[0][0]);
             add_walls::<S, K>(simd, in_radii, own, rough, sums);
-            for (i, &[sx, sy, sz, kx, ky, kz]) in range.clone().zip(&*sums) {
+            let (surfaces, _) = wall_sums.zeroed::<S>(4 * range.len()).as_chunks_mut::<4>();
+            if inputs.walls.moves() {
+                let [u, v, w] = inputs.walls.velocity();
+                moving.pack(simd, list, [walls_x, walls_y, walls_z, at_rest, u, v, w], own[0][0]);
+                add_surfaces::<S, K>(simd, in_radii, own, moving, surfaces);
+            }
+            for ((i, &[sx, sy, sz, kx, ky, kz]), &[size, u, v, w]) in range.clone().zip(&*sums).zip(&*surfaces) {
                 let pressure = inputs.pressure_term[i];
                 // What does not press is not held.
                 if pressure <= 0.0 {
@@ -110,7 +119,9 @@ impl<K: SimdKernel> WithSimd for Typed<'_, K> {
                 let push = inputs.factor * pressure;
                 let [most, sliding] = [[sx, sy, sz], [kx, ky, kz]].map(|sum| push * sum_vector(simd, sum));
                 let before = Vec3::new(ax[at], ay[at], az[at]);
-                let velocity = inputs.particles.velocity_of(i) + inputs.dt * before;
+                let size = simd.reduce_sum_f32s(size);
+                let surface = if size < 0.0 { sum_vector(simd, [u, v, w]) / size } else { Vec3::ZERO };
+                let velocity = inputs.particles.velocity_of(i) + inputs.dt * before - surface;
                 (ax[at], ay[at], az[at]) = (before - taken(velocity, most, sliding.length(), inputs.dt)).into();
             }
         }
@@ -144,8 +155,8 @@ pub fn of_springs(
     }
 }
 
-/// What friction takes of an acceleration, m/s2, with `most` what it can hold, along the wall's normal.
-fn taken(velocity: Vec3, most: Vec3, sliding: f32, dt: f32) -> Vec3 {
+/// What friction takes of an acceleration, m/s2, with a velocity relative to the wall and `most` what it can hold, along the wall's normal.
+pub(super) fn taken(velocity: Vec3, most: Vec3, sliding: f32, dt: f32) -> Vec3 {
     let Some(normal) = most.try_normalize() else { return Vec3::ZERO };
     let along = velocity - normal * velocity.dot(normal);
     let speed = along.length();
@@ -177,6 +188,32 @@ fn add_walls<S: Simd, K: SimdKernel>(
             let weights = [simd.mul_f32s(at_rest, slope), simd.mul_f32s(sliding, slope)];
             for (i, sum) in sum.iter_mut().enumerate() {
                 *sum = simd.mul_add_f32s(weights[i / 3], apart[i % 3], *sum);
+            }
+        }
+        first += S::F32_LANES;
+    }
+}
+
+/// `sum_k V_k f'(q)/q` times the coefficient of what sticks, and that times the velocities of walls, for each of a cell's particles.
+#[inline(always)]
+fn add_surfaces<S: Simd, K: SimdKernel>(
+    simd: S,
+    in_radii: ScaledRoot<S>,
+    own: [&[f32]; 3],
+    all: &Packed<7>,
+    sums: &mut [[S::f32s; 4]],
+) {
+    let one = simd.splat_f32s(1.0);
+    let mut first = 0;
+    while first < all.len() {
+        let [ox, oy, oz, at_rest, u, v, w] = all.lanes::<S>(first);
+        for (((sum, &x), &y), &z) in sums.iter_mut().zip(own[0]).zip(own[1]).zip(own[2]) {
+            let (_, squared) = difference(simd, [x, y, z], [ox, oy, oz]);
+            let slope = K::slope_over_q(simd, simd.min_f32s(in_radii.of(simd, squared), one));
+            let weight = simd.mul_f32s(at_rest, slope);
+            sum[0] = simd.add_f32s(weight, sum[0]);
+            for (sum, along) in sum[1..].iter_mut().zip([u, v, w]) {
+                *sum = simd.mul_add_f32s(weight, along, *sum);
             }
         }
         first += S::F32_LANES;

@@ -2,8 +2,10 @@
 //! twins.
 
 pub mod acceleration;
+pub mod body_contact;
 pub mod body_density;
 pub mod body_drag;
+pub mod body_friction;
 pub mod body_load;
 pub mod body_motion;
 pub mod body_sort;

@@ -15,12 +15,13 @@ use crate::candidates::Candidates;
 use crate::lanes::PADDING;
 use crate::near_walls::NearWalls;
 use crate::passes::acceleration::Maxima;
+use crate::passes::body_contact::Around;
 use crate::passes::density::{Compression, Second};
 use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
 use crate::passes::{
-    acceleration, body_density, body_drag, body_load, body_touch, continuity, density, friction, integrate, support,
-    wall_collision, wall_density, wall_force, xsph,
+    acceleration, body_density, body_drag, body_friction, body_load, body_touch, continuity, density, friction,
+    integrate, support, wall_collision, wall_density, wall_force, xsph,
 };
 use crate::samples::SortedSamples;
 use crate::simd_kernel::dispatch;
@@ -296,13 +297,15 @@ impl CpuSolver {
         let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
         let inputs = body_drag::Inputs {
             arch: self.arch,
-            grid: &self.plan.grid,
-            starts: &self.sorter.starts,
-            particles: &self.particles,
+            around: Around {
+                grid: &self.plan.grid,
+                starts: &self.sorter.starts,
+                particles: &self.particles,
+                samples: &self.body_samples,
+                lists_before: 1 + usize::from(!self.walls.is_empty()),
+            },
             density: &self.density,
-            samples: &self.body_samples,
             bodies: &self.bodies,
-            lists_before: 1 + usize::from(!self.walls.is_empty()),
             factor: -parameters.dynamic_viscosity * parameters.rest_density * scale,
             particle_mass: parameters.particle_mass,
             depth: parameters.boundary_depth,
@@ -450,6 +453,40 @@ impl CpuSolver {
         let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, acceleration)| {
             dispatch(parameters.kernel, friction::Task { inputs, chunk, workspace, candidates, acceleration })
+        })
+    }
+
+    /// Takes what the friction of bodies takes in `dt` seconds, and keeps what bodies get for it.
+    pub(super) fn body_friction_stage(&mut self, dt: f32) {
+        let parameters = &self.plan.parameters;
+        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let inputs = body_friction::Inputs {
+            arch: self.arch,
+            around: Around {
+                grid: &self.plan.grid,
+                starts: &self.sorter.starts,
+                particles: &self.particles,
+                samples: &self.body_samples,
+                lists_before: 1 + usize::from(!self.walls.is_empty()),
+            },
+            planned: &self.plan.bodies,
+            bodies: &self.bodies,
+            pressure_term: if self.particles.keeps_pressures() {
+                &self.particles.pressure
+            } else {
+                &self.pressure_term
+            },
+            factor: -parameters.rest_density * scale,
+            particle_mass: parameters.particle_mass,
+            dt,
+        };
+        let lists = self.drags.len().max(self.sorter.chunks.len());
+        self.drags.resize_with(lists, Vec::new);
+        let results = self.acceleration.each_mut().map(Vec::as_mut_slice);
+        let tasks = Tasks::new(&self.sorter.chunks, (&mut *self.candidates, &mut *self.drags), results);
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (candidates, drags), acceleration)| {
+            let task = body_friction::Task { inputs, chunk, workspace, candidates, acceleration, drags };
+            dispatch(parameters.kernel, task)
         })
     }
 

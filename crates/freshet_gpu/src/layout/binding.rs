@@ -84,17 +84,22 @@ pub enum Binding {
     Answers,
     /// Supports over the support radius, of plans where they vary.
     Widths,
-    /// [`ContactRecord`](records::ContactRecord), of plans in which fluid sticks to bodies.
+    /// [`ContactRecord`](records::ContactRecord), of plans in which fluid sticks to bodies or rubs on them.
     Contacts,
     /// What the integrator keeps of particles and the density that they carry, one after the other: in the order of the state, then in that of the last sort.
     Histories,
     /// [`PlaceRecord`](records::PlaceRecord), of position-based plans: where particles are moved to. Others see it in the motions, m.
     Places,
+    /// The state that a substep starts from, of plans that make substeps again: words one after the other, of each particle its record, its density and what
+    /// is kept of it besides.
+    Befores,
+    /// Bodies in that state.
+    BodiesBefore,
 }
 
 impl Binding {
     /// Every buffer.
-    pub const ALL: [Binding; 33] = [
+    pub const ALL: [Binding; 35] = [
         Binding::Parameters,
         Binding::Input,
         Binding::Command,
@@ -128,6 +133,8 @@ impl Binding {
         Binding::Contacts,
         Binding::Histories,
         Binding::Places,
+        Binding::Befores,
+        Binding::BodiesBefore,
     ];
 
     /// Number in group 0.
@@ -176,10 +183,12 @@ impl Binding {
             Binding::Contacts => "contacts",
             Binding::Histories => "histories",
             Binding::Places => "places",
+            Binding::Befores => "befores",
+            Binding::BodiesBefore => "bodies_before",
         }
     }
 
-    /// Bytes of one particle's part, without that of plans with bodies, of histories the most; none for buffers that do not hold particles.
+    /// Bytes of one particle's part, without that of plans with bodies, of histories the most, of states kept the least; none for buffers that do not hold particles.
     pub fn particle_bytes(self) -> Option<u64> {
         match self {
             Binding::Particles | Binding::Hits | Binding::Solves | Binding::Places => Some(32),
@@ -190,6 +199,7 @@ impl Binding {
             | Binding::Contacts
             | Binding::Drifts => Some(16),
             Binding::Histories => Some(64),
+            Binding::Befores => Some(36),
             Binding::Densities => Some(8),
             Binding::SortedLives | Binding::Slots | Binding::Widths => Some(4),
             _ => None,
@@ -213,14 +223,14 @@ impl Binding {
             Binding::SortedPositions | Binding::SortedVelocities | Binding::Motions | Binding::Samples => {
                 "array<vec4<u32>>"
             }
-            Binding::Solves => "array<u32>",
+            Binding::Solves | Binding::Befores => "array<u32>",
             Binding::SortedLives | Binding::Widths | Binding::Histories => "array<f32>",
             Binding::Densities => "array<vec2<f32>>",
             Binding::Accelerations => "array<AccelerationRecord>",
             Binding::WallFrictions | Binding::WallDensities => "array<vec2<f32>>",
             Binding::Drifts | Binding::WallFaces => "array<vec4<f32>>",
             Binding::CellCounts => "array<atomic<u32>>",
-            Binding::Bodies => "array<BodyRecord>",
+            Binding::Bodies | Binding::BodiesBefore => "array<BodyRecord>",
             Binding::BodyInputs => "array<BodyInputRecord>",
             Binding::BodySamples => "array<BodySampleRecord>",
             Binding::SampleLoads => "array<SampleLoadRecord>",
@@ -352,6 +362,8 @@ fn push_diagonal(i: u32) -> f32 { return places[i].diagonal; }
 fn place_own_row(i: u32) -> u32 { return places[i].own_row; }
 "
             }
+            Binding::Befores => "fn before(i: u32, word: u32) -> u32 { return befores[i * #{BEFORE_WORDS}u + word]; }\n",
+            Binding::BodiesBefore => "",
             Binding::WallFaces => "fn wall_face(k: u32) -> vec4<f32> { return wall_faces[k]; }\n",
             Binding::WallDensities => {
                 "fn wall_own_density(k: u32) -> f32 { return wall_densities[k].x; }
@@ -396,6 +408,7 @@ fn body_turn(i: u32) -> vec3<f32> { return bodies[i].turn; }
 fn body_swollen(i: u32) -> f32 { return bodies[i].swollen; }
 fn body_swelling_reach(i: u32) -> f32 { return bodies[i].swelling_reach; }
 fn body_wetted(i: u32) -> u32 { return bodies[i].wetted; }
+fn body_friction(i: u32) -> vec2<f32> { return vec2<f32>(bodies[i].friction_at_rest, bodies[i].friction_sliding); }
 fn body_exchange(i: u32, slot: u32) -> ExchangeRecord { return bodies[i].exchanges[slot]; }
 "
             }
@@ -531,6 +544,7 @@ fn set_sample_arm(k: u32, offset: vec3<f32>, body: u32) {
     bodies[i].impulse_linear = vec3<f32>(0.0);
     bodies[i].impulse_angular = vec3<f32>(0.0);
 }
+fn restore_body(i: u32) { bodies[i] = bodies_before[i]; }
 fn set_body_pose(i: u32, x: vec3<f32>, q: vec4<f32>) { bodies[i].position = x; bodies[i].rotation = q; }
 fn set_body_velocity(i: u32, v: vec3<f32>, w: vec3<f32>) { bodies[i].linear_velocity = v; bodies[i].angular_velocity = w; }
 fn set_body_drift(i: u32, v: vec3<f32>, w: vec3<f32>) { bodies[i].drift = v; bodies[i].turn = w; }
@@ -580,6 +594,10 @@ fn take_stepped_push(i: u32) {
 }
 "
             }
+            Binding::Befores => {
+                "fn set_before(i: u32, word: u32, value: u32) { befores[i * #{BEFORE_WORDS}u + word] = value; }\n"
+            }
+            Binding::BodiesBefore => "fn keep_body(i: u32) { bodies_before[i] = bodies[i]; }\n",
             Binding::Drifts => "fn set_drift(i: u32, e: vec3<f32>) { drifts[i] = vec4<f32>(e, 0.0); }\n",
             Binding::BodySlots => "fn set_body_slot(i: u32, k: u32) { body_slots[i] = k; }\n",
             Binding::SampleLoads => {

@@ -283,6 +283,32 @@ wgsl_struct! {
         not_finite: Atomic,
         /// What Poisson solves of this tick left at most of what they began with.
         residual: f32,
+        /// Of plans that make substeps again: 1 if the last substep is still to be judged by the state it left, else 0.
+        judged_next: u32,
+        /// How often the substep that is made now has been taken back.
+        redos: u32,
+        /// Length with which it is made again, s; zero for one that is not.
+        redo_substep: f32,
+        /// Substeps taken back in this tick.
+        redone: u32,
+        /// Bits of the largest speed of the state, where another one is in `max_speed`.
+        state_speed: Atomic,
+        /// What the fields of these names were when the substep began.
+        remaining_before: f32,
+        /// Likewise.
+        smallest_before: f32,
+        /// Likewise.
+        last_before: f32,
+        /// Likewise.
+        live_before: u32,
+        /// Likewise.
+        removed_before: u32,
+        /// Likewise.
+        retired_before: u32,
+        /// Likewise.
+        not_finite_before: u32,
+        /// Likewise, of `max_ratio`.
+        ratio_before: u32,
     }
 
     /// What a tick is told.
@@ -401,7 +427,7 @@ wgsl_struct! {
         diagonal: f32,
     }
 
-    /// What of a particle sticks to a body.
+    /// What of a particle sticks to a body or rubs on it.
     pub struct ContactRecord {
         /// Force on the body over the sum of `V_k F`, N/m3 in the units of kernel slopes.
         force: Vec3,
@@ -509,12 +535,12 @@ wgsl_struct! {
         swelling_reach: f32,
         /// Of the fluid in this substep, N m.
         torque: Vec3,
-        /// Unused.
-        pad_f: u32,
+        /// Coefficient of friction of what sticks.
+        friction_at_rest: f32,
         /// Of the fluid in this tick so far, N s.
         impulse_linear: Vec3,
-        /// Unused.
-        pad_g: u32,
+        /// Coefficient of friction of what slides.
+        friction_sliding: f32,
         /// Of the fluid in this tick so far, N m s.
         impulse_angular: Vec3,
         /// Unused.

@@ -282,15 +282,6 @@ fn memory_and_passes_are_those_of_the_plan() {
     }
 }
 
-#[test]
-fn substeps_are_not_made_again_and_that_is_said() {
-    let mut scene = dam_break();
-    scene.settings.redo_substeps = true;
-    let plan = Plan::new(&scene).unwrap();
-    let error = GpuSolver::new(&device().device, &device().queue, plan, GpuOptions::default()).unwrap_err();
-    assert!(matches!(error, SolverError::Unsupported { .. }) && error.to_string().contains("redo_substeps"), "{error}");
-}
-
 /// Those that are gone leave no pressures to those that come, also in buffers that grow.
 #[test]
 fn spawned_particles_come_without_pressure() {

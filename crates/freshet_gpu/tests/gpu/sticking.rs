@@ -22,7 +22,7 @@ fn a_viscous_fluid_drags_bodies_and_they_drag_it() {
     for (from, to) in [
         ("strength * distance / y", "1.02 * strength * distance / y"),
         ("fields::body_turn(body), arm)", "fields::body_turn(body), 0.9 * arm)"),
-        ("if (found.strength < best.strength)", "if (found.strength > best.strength)"),
+        ("size_of(found) < size_of(best)", "size_of(found) > size_of(best)"),
         ("drag += share;", "drag += 1.001 * share;"),
         ("cross(arm + x, share)", "cross(arm, share)"),
     ] {
