@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use freshet_core::configuration::Configuration;
-use freshet_core::fidelity::{FluidFidelity, MEASURED};
+use freshet_core::fidelity::{FAST, FluidFidelity, MEASURED};
 use freshet_core::plan::Plan;
 use freshet_core::scene::{Body, Boundary, FluidScene, Friction, Volume};
 use freshet_lab::backend::Backend;
@@ -38,6 +38,10 @@ fn the_table_and_the_document_are_what_the_recorded_chart_gives() -> Result<(), 
         "the table of FluidFidelity is not that of docs/charts/pareto.csv: {again}"
     );
     assert!(text(&root().join("docs/methods.md"))? == document(&points)?, "docs/methods.md is not up to date: {again}");
+    // What `peers` holds the cheapest preset to.
+    let fast = points.iter().filter(|point| point.backend == Backend::Cpu && point.configuration.name == FAST.configuration);
+    let fronts: Vec<f64> = fast.filter_map(|point| point.trials[0].parts.as_ref().ok()?.first().copied()).collect();
+    assert!(fronts.len() == 2 && fronts.iter().all(|front| *front <= 0.05), "{fronts:?}");
     // What is compiled is what is written.
     let choices = choices(&points);
     let on_front = front(&choices, Backend::Cpu);
@@ -99,7 +103,7 @@ fn the_quick_form_charts_cost_against_error_and_failures_as_failures() -> Result
         assert!(cost > 0.0 && (0.001..0.1).contains(&error), "{name}: {cost} s, {error}");
         for (scene, trial) in CHOSEN_BY.iter().zip(&named(name).trials) {
             let error = trial.error().unwrap_or(f64::NAN);
-            assert!(error < 0.06, "{name} on the {}: {error}", scene.title);
+            assert!(error < 0.1, "{name} on the {}: {error}", scene.title);
         }
     }
     let failures = |name: &str| named(name).trials.iter().filter_map(|trial| trial.failure()).collect::<Vec<_>>();
