@@ -103,7 +103,9 @@ fn the_quick_form_charts_cost_against_error_and_failures_as_failures() -> Result
         assert!(cost > 0.0 && (0.001..0.1).contains(&error), "{name}: {cost} s, {error}");
         for (scene, trial) in CHOSEN_BY.iter().zip(&named(name).trials) {
             let error = trial.error().unwrap_or(f64::NAN);
-            assert!(error < 0.1, "{name} on the {}: {error}", scene.title);
+            // Waves swing a tenth too fast with the default support, as the lattice's shear moduli say.
+            let most = if scene.name == "wave" { 0.1 } else { 0.06 };
+            assert!(error < most, "{name} on the {}: {error}", scene.title);
         }
     }
     let failures = |name: &str| named(name).trials.iter().filter_map(|trial| trial.failure()).collect::<Vec<_>>();
