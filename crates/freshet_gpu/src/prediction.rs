@@ -25,7 +25,9 @@ pub(crate) fn substeps_to_encode(parameters: &Parameters, asked: f32, last: f32)
     }
     let known = if last > 0.0 { last } else { first_limit(parameters) };
     let predicted = (asked / known - 1e-3).ceil().clamp(1.0, 1e6) as u32;
-    predicted.saturating_add(SPARE_SUBSTEPS).min(parameters.max_substeps)
+    // Where substeps are made again, those taken back have a place each, and the last one is judged in one more.
+    let again = if parameters.redo_substeps { 1 + Parameters::MOST_REDOS } else { 0 };
+    predicted.saturating_add(SPARE_SUBSTEPS).min(parameters.max_substeps).saturating_add(again)
 }
 
 /// The substep at the expected speed, before there was one.

@@ -39,7 +39,8 @@ fn the_table_and_the_document_are_what_the_recorded_chart_gives() -> Result<(), 
     );
     assert!(text(&root().join("docs/methods.md"))? == document(&points)?, "docs/methods.md is not up to date: {again}");
     // What `peers` holds the cheapest preset to.
-    let fast = points.iter().filter(|point| point.backend == Backend::Cpu && point.configuration.name == FAST.configuration);
+    let fast =
+        points.iter().filter(|point| point.backend == Backend::Cpu && point.configuration.name == FAST.configuration);
     let fronts: Vec<f64> = fast.filter_map(|point| point.trials[0].parts.as_ref().ok()?.first().copied()).collect();
     assert!(fronts.len() == 2 && fronts.iter().all(|front| *front <= 0.05), "{fronts:?}");
     // What is compiled is what is written.

@@ -35,7 +35,7 @@ pub struct FluidBoundary {
     /// Its shape.
     pub shape: FluidBoundaryShape,
     /// Faces that drag the fluid along: -x, +x, -y, +y, -z, +z; of a plane and a half-space +y counts. Along the others it
-    /// slips freely. Shapes without these faces are viscous everywhere if any is true. Along a wall that moves it slips.
+    /// slips freely. Shapes without these faces are viscous everywhere if any is true. Along a wall that moves it slips, unless there is a viscosity model or friction.
     pub viscous_faces: [bool; 6],
     /// Coulomb's friction, on all of its surface, whether it stands, moves, or has a [`velocity`](Self::velocity); none by default.
     pub friction: FluidFriction,

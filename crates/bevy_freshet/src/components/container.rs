@@ -15,7 +15,8 @@ pub struct FluidContainer {
     pub size: Vec3,
     /// Which faces are missing: -x, +x, -y, +y, -z, +z. At least one must be there.
     pub open: [bool; 6],
-    /// Faces that drag the fluid along: -x, +x, -y, +y, -z, +z. Along the others it slips freely, and along a container that moves.
+    /// Faces that drag the fluid along: -x, +x, -y, +y, -z, +z. Along the others it slips freely, and along a container that moves, unless there is a viscosity
+    /// model or friction.
     pub viscous_faces: [bool; 6],
     /// Coulomb's friction of all walls, whether they stand, move, or have a [`velocity`](Self::velocity); none by default.
     pub friction: FluidFriction,

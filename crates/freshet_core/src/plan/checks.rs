@@ -30,7 +30,7 @@ pub(super) fn check_quasi_fluid(scene: &FluidScene) -> Result<(), InvalidInput> 
     let is_quasi_fluid = |body: &Body| matches!(body.sampling, BodySampling::QuasiFluid { .. });
     let Some(index) = scene.bodies.iter().position(is_quasi_fluid) else { return Ok(()) };
     let reason = if scene.settings.pressure_solver != PressureSolver::WeaklyCompressible {
-        "an incompressible settings.pressure_solver"
+        "any settings.pressure_solver but WeaklyCompressible"
     } else if scene.settings.widest_support != 1.0 {
         "a settings.widest_support above 1"
     } else if scene.physical_viscosity().is_some() {

@@ -309,6 +309,12 @@ wgsl_struct! {
         not_finite_before: u32,
         /// Likewise, of `max_ratio`.
         ratio_before: u32,
+        /// Unused.
+        pad_b: u32,
+        /// Unused.
+        pad_c: u32,
+        /// Unused.
+        pad_d: u32,
     }
 
     /// What a tick is told.
