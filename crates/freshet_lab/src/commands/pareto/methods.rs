@@ -39,7 +39,9 @@ pub fn table_of_fidelity(points: &[Point]) -> Result<String, LabError> {
     let choices = choices(points);
     let on_front = front(&choices, Backend::Cpu);
     let presets = presets(&on_front)?;
-    let coarsest = points.iter().map(|point| point.across).min().unwrap_or_default();
+    // Choices are of the CPU: the GPU has points at coarser resolutions.
+    let on_cpu = points.iter().filter(|point| point.backend == Backend::Cpu);
+    let coarsest = on_cpu.map(|point| point.across).min().unwrap_or_default();
     let mut text = format!(
         "//! Written by `freshet_lab pareto --sources` from `docs/charts/pareto.csv`; not to be edited.\n\n\
          use super::Measured;\n\n\
