@@ -211,7 +211,8 @@ fn colour(family: Family) -> Colour {
 
 fn chart(points: &[Point]) -> Scatter {
     let on_cpu = front(points, Backend::Cpu);
-    let coarsest = points.iter().map(|point| point.across).min().unwrap_or_default();
+    let across = |backend| points.iter().filter(move |point| point.backend == backend).map(|point| point.across);
+    let coarsest = across(Backend::Cpu).min().unwrap_or_default();
     let dot = |point: &Point| {
         let shape = match (point.backend, point.across == coarsest) {
             (Backend::Gpu, _) => Shape::Square,
@@ -233,12 +234,11 @@ fn chart(points: &[Point]) -> Scatter {
     };
     let families = Family::ALL.into_iter().filter(|family| points.iter().any(|of| of.configuration.family == *family));
     let mut shapes = vec![(Shape::Ring, format!("{coarsest} particles across"))];
-    let finer = |point: &&Point| point.backend == Backend::Cpu && point.across != coarsest;
-    if let Some(finest) = points.iter().filter(finer).map(|point| point.across).max() {
+    if let Some(finest) = across(Backend::Cpu).max().filter(|&finest| finest != coarsest) {
         shapes.push((Shape::Disc, format!("{finest} particles across")));
     }
-    if points.iter().any(|point| point.backend == Backend::Gpu) {
-        shapes.push((Shape::Square, "GPU solver".to_owned()));
+    if let Some(across) = across(Backend::Gpu).max() {
+        shapes.push((Shape::Square, format!("GPU solver, {across} across")));
     }
     shapes.push((Shape::Cross, "fails on a scene".to_owned()));
     Scatter {
