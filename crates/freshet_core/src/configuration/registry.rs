@@ -240,7 +240,7 @@ pub const CONFIGURATIONS: &[Configuration] = &[
             scene.settings.support = Support::Ratio(2.15);
             scene.settings.courant_factor = 0.8;
         },
-        "the same, cheap",
+        "the same, in few long steps",
         "as dfsph-2.15 and dfsph-fast",
     ),
     of(
@@ -274,7 +274,7 @@ pub const CONFIGURATIONS: &[Configuration] = &[
             scene.settings.support = Support::Ratio(2.3);
             scene.settings.courant_factor = 0.8;
         },
-        "the same, cheap",
+        "the same, in few long steps",
         "as dfsph-notch and dfsph-fast",
     ),
     of(

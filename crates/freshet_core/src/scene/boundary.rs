@@ -262,9 +262,6 @@ impl Boundary {
             let allowed = "zero, as there is no settings.viscosity_model and no friction";
             return Err(InvalidInput::new("velocity", self.velocity, allowed));
         }
-        if !self.viscous_faces.contains(&true) {
-            return Err(InvalidInput::new("velocity", self.velocity, "zero, as no face is viscous: those alone run"));
-        }
         if !self.shape.has_faces() && self.viscous_faces.contains(&true) {
             return Err(InvalidInput::new(
                 "velocity",
