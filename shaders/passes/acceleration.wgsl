@@ -1,5 +1,6 @@
 // a_a = g - (1/G) [ m sum_b (P_a + P_b + Pi_ab) F x_ab + rho0 sum_k V_k (P_a + Pi_ak) F x_ak ] + Morris' viscosity
 // and, where the plan has a near pressure, -(m/G) sum_b (2 k/rho0) F_near x_ab (freshet_core::near_pressure).
+// Samples of quasi-fluid walls and bodies have a pressure of their own: P_a + P_k.
 // P_a of an incompressible fluid is that of the last substep.
 // Pressure form: Monaghan 1992, eq. 3.3, or that of Mueller et al. 2003. Pi_ab: Monaghan 1992, eq. 4.1, with beta = 0, for all pairs (Monaghan 2005).
 // Where supports vary, pairs of the fluid have the mean of both (freshet_core::variable_support).

@@ -319,7 +319,7 @@ pub struct Settings {
     pub viscosity_model: Option<ViscosityModel>,
     /// How walls act on the fluid; another method than the default for weakly compressible fluids only. See [`wall_method`](crate::wall_method).
     pub wall_method: WallMethod,
-    /// How accelerations become velocities and positions. An incompressible fluid has a way of its own, and takes the default only. Forward Euler and
+    /// How accelerations become velocities and positions. Weakly compressible fluids choose; all others have a way of their own, and take the default only. Forward Euler and
     /// the position-corrected Beeman are refused: under them every oscillation grows, as `freshet_lab integrators` shows.
     pub integrator: Integrator,
     /// Substep over `h / (c + v)`, or, of an incompressible fluid, over `d / v`: 0.01 to 1.

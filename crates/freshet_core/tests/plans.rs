@@ -157,6 +157,11 @@ fn friction_is_a_stage_of_plans_with_walls_that_have_it() {
     let moving: Vec<usize> = (0..walls.positions.len()).filter(|&k| walls.velocities[k] == Vec3::X).collect();
     assert!(!moving.is_empty() && moving.iter().all(top));
     assert!((rough..walls.positions.len()).any(|k| walls.velocities[k] == Vec3::ZERO));
+    // Without a viscous face nothing of it would move.
+    scene.boundaries[1].viscous_faces = [false; 6];
+    let message = Plan::new(&scene).unwrap_err().to_string();
+    assert!(message.contains("boundaries[1].velocity") && message.contains("no viscous face"), "{message}");
+    scene.boundaries[1].viscous_faces[3] = true;
     scene.boundaries[1].friction = Friction::default();
     let message = Plan::new(&scene).unwrap_err().to_string();
     assert!(message.contains("zero, as there is no settings.viscosity_model and no friction"), "{message}");

@@ -59,9 +59,10 @@ impl FluidSolver for GpuSolver {
             };
             if more == 0 {
                 let mut report = self.account(&about, &bytes)?;
-                self.known.milliseconds = elapsed / report.substeps.max(1) as f32;
+                let made = self.made(&report);
+                self.known.milliseconds = elapsed / made.max(1) as f32;
                 if let Some(timer) = &self.timer {
-                    report.passes = timer.times(stamps, *encoded, report.substeps);
+                    report.passes = timer.times(stamps, *encoded, made);
                 }
                 return Ok(report);
             }

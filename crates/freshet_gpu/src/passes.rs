@@ -92,6 +92,8 @@ impl Pass {
     fn bytes_per_particle(&self) -> u64 {
         let bytes = |&(binding, _): &(Binding, Access)| match binding {
             Binding::Solves | Binding::Histories => 4 * self.words,
+            // As in `before_words`.
+            Binding::Befores => 4 * (RECORD_WORDS + self.words),
             _ => binding.particle_bytes().unwrap_or(0),
         };
         self.uses.iter().map(bytes).sum()
@@ -165,9 +167,12 @@ pub(crate) fn history_words(plan: &Plan) -> u64 {
     past_words(plan) + u64::from(plan.parameters.density.is_carried())
 }
 
+/// Words of a particle's record and of its density.
+const RECORD_WORDS: u64 = 9;
+
 /// Words of each particle in [`Binding::Befores`]: its record, its density, and what is kept of it besides.
 pub(crate) fn before_words(plan: &Plan) -> u64 {
-    9 + u64::from(incompressible(plan)) + history_words(plan)
+    RECORD_WORDS + u64::from(incompressible(plan)) + history_words(plan)
 }
 
 /// Those of the integrator.

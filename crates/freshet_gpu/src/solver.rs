@@ -252,9 +252,10 @@ impl GpuSolver {
         let arrival = Arrival::parse(bytes, self.plan.bodies.len())?;
         let mut report = arrival.report(about.tick);
         if let Some(timer) = &self.timer {
-            report.passes = timer.times(&arrival.stamps, about.encoded, report.substeps);
+            let made = self.made(&report);
+            report.passes = timer.times(&arrival.stamps, about.encoded, made);
             let total: f32 = report.passes.iter().map(|pass| pass.milliseconds).sum();
-            self.known.milliseconds = total / report.substeps.max(1) as f32;
+            self.known.milliseconds = total / made.max(1) as f32;
         }
         self.known.particles = report.particles;
         self.known.carry = arrival.control.remaining.min(StepInput::MAX_DURATION);
@@ -275,6 +276,11 @@ impl GpuSolver {
         self.time += report.simulated;
         self.ticks = about.tick + 1;
         Ok(report)
+    }
+
+    /// The substeps that a tick made of those encoded: its own, those taken back, and the one in which the last of its own was judged.
+    pub(crate) fn made(&self, report: &StepReport) -> u32 {
+        report.substeps + report.redone + u32::from(self.plan.parameters.redo_substeps)
     }
 
     /// The substeps to encode for `asked` seconds, no more than the plan's budget allows where their cost is known.

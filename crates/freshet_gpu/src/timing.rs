@@ -74,7 +74,7 @@ impl Timer {
         }
     }
 
-    /// The times of all `made` substeps, from the stamps of the first of them.
+    /// The times of all `made` substeps, those made again among them, from the stamps of the first of them.
     pub fn times(&self, stamps: &[u8], encoded: u32, made: u32) -> Vec<PassTime> {
         let measured = encoded.min(made).min(MEASURED_SUBSTEPS);
         let stamps: Vec<u64> = stamps.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect();

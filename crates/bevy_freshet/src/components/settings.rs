@@ -34,9 +34,9 @@ pub struct FluidSettings {
     pub pressure_solver: FluidPressureSolver,
     /// Pressure as a function of density; none takes Tait's with the sound speed.
     pub equation_of_state: Option<FluidEquationOfState>,
-    /// How densities are found; an incompressible fluid takes the default only.
+    /// How densities are found; another way than the default for weakly compressible fluids only.
     pub density: FluidDensityForm,
-    /// How pressures become forces; an incompressible fluid takes the default only.
+    /// How pressures become forces; another way than the default for weakly compressible fluids only.
     pub pressure_force: FluidPressureForce,
     /// Whether negative pressures are set to zero, so that fluid does not pull at itself.
     pub clamp_negative_pressure: bool,
@@ -60,9 +60,9 @@ pub struct FluidSettings {
     pub relaxation: Option<FluidRelaxation>,
     /// How the fluid's [`dynamic_viscosity`](super::material::Fluid::dynamic_viscosity) acts, beside the artificial one; none leaves it out.
     pub viscosity_model: Option<FluidViscosityModel>,
-    /// How walls act on the fluid; an incompressible fluid takes the default only.
+    /// How walls act on the fluid; another method than the default for weakly compressible fluids only.
     pub wall_method: FluidWallMethod,
-    /// How accelerations become velocities and positions; an incompressible fluid takes the default only, and
+    /// How accelerations become velocities and positions; another way than the default for weakly compressible fluids only, and
     /// [`FluidIntegrator::ForwardEuler`] and [`FluidIntegrator::PositionCorrectedBeeman`] are refused.
     pub integrator: FluidIntegrator,
     /// Substep over `h / (c + v)`, of an incompressible fluid over `d / v`, 0.01 to 1; `h` is half the reach of the kernel.

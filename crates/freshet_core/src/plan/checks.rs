@@ -133,6 +133,15 @@ pub(super) fn check_wall_method(scene: &FluidScene, support_radius: f32) -> Resu
     Ok(())
 }
 
+/// Refuses belts that would stand still: a boundary's velocity is that of its viscous faces.
+pub(super) fn check_belts(scene: &FluidScene) -> Result<(), InvalidInput> {
+    let stands = |boundary: &Boundary| boundary.velocity != Vec3::ZERO && boundary.viscous().next().is_none();
+    let Some(index) = scene.boundaries.iter().position(stands) else { return Ok(()) };
+    let velocity = scene.boundaries[index].velocity;
+    let allowed = "zero, as the boundary has no viscous face, and it is those that move";
+    Err(InvalidInput::new(format_args!("boundaries[{index}].velocity"), velocity, allowed))
+}
+
 /// Refuses ghost particles with what has no image, and where images would stand in each other's fluid.
 fn check_ghosts(scene: &FluidScene, support_radius: f32) -> Result<(), InvalidInput> {
     let settings = &scene.settings;

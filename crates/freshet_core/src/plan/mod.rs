@@ -22,8 +22,9 @@ pub use self::sampling::{PlannedBody, PlannedBoundary, sample_boundary, sample_v
 pub use self::stages::{Stage, StageKind};
 
 use self::checks::{
-    check_bounds, check_carried_density, check_driven, check_friction, check_moved_apart, check_particles_within,
-    check_periods, check_precision, check_quasi_fluid, check_relaxation, check_wall_method, max_particles,
+    check_belts, check_bounds, check_carried_density, check_driven, check_friction, check_moved_apart,
+    check_particles_within, check_periods, check_precision, check_quasi_fluid, check_relaxation, check_wall_method,
+    max_particles,
 };
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
@@ -124,6 +125,7 @@ impl Plan {
         check_relaxation(scene)?;
         check_friction(scene)?;
         check_wall_method(scene, support_radius)?;
+        check_belts(scene)?;
 
         for (index, emitter) in scene.emitters.iter().enumerate() {
             emitter.check_flow(spacing).map_err(|error| error.inside(format_args!("emitters[{index}]")))?;

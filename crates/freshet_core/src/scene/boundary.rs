@@ -251,6 +251,17 @@ impl Boundary {
         check_pose(self.center, self.rotation)
     }
 
+    /// Its viscous faces, as [`viscous_faces`](Self::viscous_faces) counts them; none of a curved shape.
+    pub(crate) fn viscous(&self) -> impl Iterator<Item = usize> {
+        let is_face = |index: usize| match self.shape {
+            BoundaryShape::Container { open, .. } => !open[index],
+            BoundaryShape::Box { .. } => true,
+            BoundaryShape::Plane { .. } | BoundaryShape::HalfSpace { .. } => index == 3,
+            _ => false,
+        };
+        (0..6).filter(move |&index| is_face(index) && self.viscous_faces[index])
+    }
+
     pub(super) fn check_velocity(&self, model: Option<ViscosityModel>) -> Result<(), InvalidInput> {
         for value in self.velocity.to_array() {
             check_range("velocity", value, -1e4, 1e4, "m/s")?;
@@ -270,14 +281,8 @@ impl Boundary {
             ));
         }
         let across = (self.rotation.conjugate() * self.velocity).abs();
-        let is_face = |index: usize| match self.shape {
-            BoundaryShape::Container { open, .. } => !open[index],
-            BoundaryShape::Box { .. } => true,
-            BoundaryShape::Plane { .. } | BoundaryShape::HalfSpace { .. } => index == 3,
-            _ => false,
-        };
         let least = 1e-4 * self.velocity.length();
-        if (0..6).any(|index| is_face(index) && self.viscous_faces[index] && across[index / 2] > least) {
+        if self.viscous().any(|index| across[index / 2] > least) {
             return Err(InvalidInput::new("velocity", self.velocity, "a vector along every viscous face"));
         }
         Ok(())
