@@ -266,7 +266,7 @@ pub struct StepReport {
     pub time_scale: f32,
     /// Mean over particles of `max(density / rest_density - 1, 0)`; the largest of the tick's substeps.
     pub mean_compression: f32,
-    /// Largest `density / rest_density - 1` of any particle in the tick.
+    /// Largest `max(density / rest_density - 1, 0)` of any particle in the tick.
     pub max_compression: f32,
     /// Largest speed in the last substep, m/s; of an incompressible fluid that which particles were expected to leave it with.
     pub max_speed: f32,

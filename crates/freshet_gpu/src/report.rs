@@ -52,7 +52,7 @@ impl Arrival {
             simulated: f64::from(simulated),
             time_scale: if control.asked > 0.0 { simulated / control.asked } else { 1.0 },
             mean_compression: control.mean_compression,
-            max_compression: if ratio > 0.0 { ratio - 1.0 } else { 0.0 },
+            max_compression: (ratio - 1.0).max(0.0),
             max_speed: control.fastest,
             divergence_iterations: control.divergence_iterations,
             density_iterations: control.density_iterations,

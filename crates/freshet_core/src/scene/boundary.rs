@@ -155,8 +155,8 @@ pub struct Boundary {
     #[serde(default = "every_face")]
     pub viscous_faces: [bool; 6],
     /// Velocity of the surface, m/s, up to 1e4, along every viscous face, in world axes: the wall stays where it is and moves as
-    /// a belt does. Zero unless there is [friction](Self::friction) or a [viscosity model](super::Settings::viscosity_model), without which nothing
-    /// would feel it, and for viscous shapes without faces, no vector being along all of their surface. The other faces stand.
+    /// a belt does. The other faces stand. Zero unless there is [friction](Self::friction) or a [viscosity model](super::Settings::viscosity_model), without which nothing
+    /// would feel it, where no face is viscous, and for shapes without faces, no vector being along all of their surface.
     #[serde(default)]
     pub velocity: Vec3,
     /// Coulomb's friction, on all of its surface, whether it stands or moves as a belt; none by default.
