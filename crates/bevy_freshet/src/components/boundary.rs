@@ -41,7 +41,7 @@ pub struct FluidBoundary {
     pub friction: FluidFriction,
     /// Velocity of the surface along every viscous face, m/s, up to 1e4, in the boundary's own axes: it stays where it is and moves as a belt
     /// does. Only with [`friction`](Self::friction) or a [viscosity model](super::settings::FluidSettings::viscosity_model), without which nothing would
-    /// feel it; zero for viscous shapes without faces, and for one that moves.
+    /// feel it; zero where no face is viscous, for shapes without faces, and for one that moves.
     pub velocity: Vec3,
     /// What follows from a [`Transform`] that changes.
     pub motion: FluidWallMotion,
