@@ -3,7 +3,8 @@
 
 #import freshet::bindings as fields
 #import freshet::grid
-#import freshet::kernels
+#import freshet::pressure_kernels
+#import freshet::viscosity_kernels
 
 // Sums over the samples of one body, without their factor: s and D with the sign of f', and of where samples are from its centre of mass.
 struct Contact {
@@ -50,7 +51,11 @@ fn after(position: vec3<f32>, last: u32) -> Contact {
                 found = Contact(NOBODY, true, 0.0, vec3<f32>(0.0), vec3<f32>(0.0));
             }
             found.body = body;
-            let weight = sample.weight * kernels::slope_over_q(sqrt(r_squared) * inverse_radius);
+#ifdef BODY_FRICTION
+            let weight = sample.weight * pressure_kernels::slope_over_q(sqrt(r_squared) * inverse_radius);
+#else
+            let weight = sample.weight * viscosity_kernels::slope_over_q(sqrt(r_squared) * inverse_radius);
+#endif
             found.strength += weight;
             found.slope += weight * x;
             found.arms += weight * arm.offset;

@@ -1,6 +1,7 @@
 // Smoothing kernels, as freshet_core::kernel: q = r / H, W = A / H^3 f(q). The scales are in the parameters; here are
 // `shape` = f(q) and `slope_over_q` = f'(q) / q, both exactly zero for q >= 1. `(dW/dr) / r = A / H^5 f'(q) / q`.
 // Sources of the formulas: freshet_core::kernel::KernelKind.
+// Made of this text are also freshet::pressure_kernels and freshet::viscosity_kernels, with definitions of their own: the kernels of those terms.
 #define_import_path freshet::kernels
 
 #ifdef KERNEL_GAUSSIAN
@@ -117,5 +118,12 @@ fn shape(q: f32) -> f32 {
 fn slope_over_q(q: f32) -> f32 {
     let p = max(1.0 - q, 0.0);
     return select(-3.0 * p * p / q, 0.0, q == 0.0);
+}
+#endif
+
+#ifdef KERNEL_VISCOSITY
+// In viscous forces only: half the Laplacian with the other sign, freshet_core::kernel::Kernel::viscous_over_r
+fn slope_over_q(q: f32) -> f32 {
+    return -3.0 * max(1.0 - q, 0.0);
 }
 #endif

@@ -5,7 +5,7 @@
 #import freshet::bindings as fields
 #import freshet::grid
 #import freshet::hits
-#import freshet::kernels
+#import freshet::pressure_kernels
 
 // Bodies are counted from one here. What is kept of a particle: the body that it touches, or one of these; and whether one of those that
 // it touches swells.
@@ -61,7 +61,7 @@ fn after(a: u32, last: u32) -> Touch {
                 found.turn = vec3<f32>(0.0);
             }
             found.body = body;
-            let slope = kernels::slope_over_q(length(x) * fields::parameters.inverse_support_radius);
+            let slope = pressure_kernels::slope_over_q(length(x) * fields::parameters.inverse_support_radius);
             let push = (sample.weight * slope) * x;
             found.push += push;
             found.turn += cross(arm.offset, push);

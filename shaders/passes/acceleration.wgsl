@@ -11,8 +11,9 @@
 #import freshet::equation_of_state
 #import freshet::grid
 #import freshet::hits
-#import freshet::kernels
+#import freshet::pressure_kernels
 #import freshet::threads
+#import freshet::viscosity_kernels
 
 #ifdef INCOMPRESSIBLE
 var<workgroup> group_speed: atomic<u32>;
@@ -108,7 +109,7 @@ fn own_of(a: u32) -> Own {
 fn tensile(own: Own, term: f32, q: f32) -> f32 {
     let pulls = -own.tensile_correction * (min(own.pressure_term, 0.0) + min(term, 0.0));
     let strength = select(pulls, 0.01 * (own.pressure_term + term), min(own.pressure_term, term) > 0.0);
-    let ratio = kernels::shape(q) * own.inverse_shape;
+    let ratio = pressure_kernels::shape(q) * own.inverse_shape;
     return strength * ratio * ratio * ratio * ratio;
 }
 #endif
@@ -129,9 +130,9 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
 #ifdef WIDTHS
     let inverse_width = 2.0 / (own.width + fields::width(b));
     let square = inverse_width * inverse_width;
-    let slope = square * square * inverse_width * kernels::slope_over_q(q * inverse_width);
+    let slope = square * square * inverse_width * pressure_kernels::slope_over_q(q * inverse_width);
 #else
-    let slope = kernels::slope_over_q(q);
+    let slope = pressure_kernels::slope_over_q(q);
 #endif
 #ifdef NEAR_PRESSURE
     let near = own.near_pressure * near_slope(q);
@@ -156,7 +157,11 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
 #endif
 #ifdef MORRIS_VISCOSITY
     let exchange = own.pair_viscosity * r_squared / ((r_squared + own.softening) * (own.density * motion.w));
+#ifdef OWN_VISCOSITY_KERNEL
+    return (factor * slope + near) * x - (exchange * viscosity_kernels::slope_over_q(q)) * velocity;
+#else
     return (factor * slope + near) * x - (exchange * slope) * velocity;
+#endif
 #else
     return (factor * slope + near) * x;
 #endif
@@ -175,7 +180,7 @@ fn from_particle(own: Own, b: u32) -> vec3<f32> {
 fn from_sample(own: Own, sample: fields::Sample) -> vec3<f32> {
     let x = grid::difference(own.position, sample.position);
     let factor = sample.weight * own.pressure_term;
-    return (factor * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+    return (factor * pressure_kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
 }
 #endif
 
@@ -184,7 +189,7 @@ fn from_sample(own: Own, sample: fields::Sample) -> vec3<f32> {
 fn from_quasi_fluid(own: Own, sample: fields::Sample, term: f32) -> vec3<f32> {
     let x = grid::difference(own.position, sample.position);
     let factor = sample.weight * (own.pressure_term + term);
-    return (factor * kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
+    return (factor * pressure_kernels::slope_over_q(length(x) * own.inverse_radius)) * x;
 }
 #endif
 
@@ -212,7 +217,7 @@ fn from_wall(own: Own, k: u32, sample: fields::Sample, term: f32) -> vec3<f32> {
     let approach = sample.viscous_weight * dot(velocity, x);
     let drag = own.artificial_scale * approach / ((r_squared + own.softening) * (2.0 * own.density));
     let factor = sample.weight * (own.pressure_term + term) - drag;
-    return (factor * kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius)) * x;
+    return (factor * pressure_kernels::slope_over_q(sqrt(r_squared) * own.inverse_radius)) * x;
 }
 #endif
 
@@ -226,7 +231,7 @@ struct Contact {
 
 fn touch(own: Own, k: u32, sample: fields::Sample, contact: ptr<function, Contact>) {
     let x = grid::difference(own.position, sample.position);
-    let slope = -kernels::slope_over_q(length(x) * own.inverse_radius);
+    let slope = -viscosity_kernels::slope_over_q(length(x) * own.inverse_radius);
     let weight = fields::parameters.sample_force_scale * sample.viscous_weight * slope;
     (*contact).strength += weight;
     (*contact).slope += weight * x;

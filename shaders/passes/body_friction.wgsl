@@ -12,7 +12,7 @@
 #endif
 #ifdef FRICTION_LOAD
 #import freshet::grid
-#import freshet::kernels
+#import freshet::pressure_kernels
 #import freshet::swelling
 #endif
 #import freshet::threads
@@ -89,7 +89,7 @@ fn friction_load(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
                 continue;
             }
             let x = grid::difference(fields::sorted_position(a), position);
-            let share = kernels::slope_over_q(length(x) * inverse_radius) * fields::contact_force(a);
+            let share = pressure_kernels::slope_over_q(length(x) * inverse_radius) * fields::contact_force(a);
             force += share;
             torque += cross(arm + x, share);
         }

@@ -9,7 +9,9 @@
 #import freshet::bindings as fields
 #import freshet::grid
 #import freshet::kernels
+#import freshet::pressure_kernels
 #import freshet::swelling
+#import freshet::viscosity_kernels
 #ifdef QUASI_FLUID
 #import freshet::quasi_fluid
 #endif
@@ -61,7 +63,7 @@ fn load_sample(k: u32) {
             let x = grid::difference(fields::sorted_position(a), position);
             let q = length(x) * inverse_radius;
             wet = select(wet, 1.0, q < 1.0);
-            let slope = kernels::slope_over_q(q);
+            let slope = pressure_kernels::slope_over_q(q);
             sum += (pressure_of(a) * slope) * x;
 #ifdef QUASI_FLUID
             shapes += kernels::shape(q);
@@ -70,7 +72,7 @@ fn load_sample(k: u32) {
 #ifdef BODY_LOAD
 #ifdef STICKING_BODIES
             if (fields::contact_body(a) == body + 1u) {
-                let share = slope * fields::contact_force(a);
+                let share = viscosity_kernels::slope_over_q(q) * fields::contact_force(a);
                 drag += share;
                 drag_torque += cross(arm + x, share);
             }

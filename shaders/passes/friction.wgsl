@@ -14,7 +14,7 @@
 #endif
 #import freshet::coulomb
 #import freshet::grid
-#import freshet::kernels
+#import freshet::pressure_kernels
 #import freshet::threads
 
 // The push of walls, m/s2, or sum_k V_k f'(q)/q x_ak, times either coefficient.
@@ -54,7 +54,7 @@ fn push_on(position: vec3<f32>, place: grid::Place) -> Push {
             let k = grid::member(walls, t);
             let sample = fields::sample(k);
             let x = grid::difference(position, sample.position);
-            let weight = sample.weight * kernels::slope_over_q(length(x) * inverse_radius);
+            let weight = sample.weight * pressure_kernels::slope_over_q(length(x) * inverse_radius);
             let part = weight * x;
             let coefficients = fields::wall_friction(k);
 #ifdef MOVING_WALLS

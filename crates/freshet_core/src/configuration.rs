@@ -10,6 +10,7 @@ pub use self::registry::CONFIGURATIONS;
 use crate::error::InvalidInput;
 use crate::plan::{Plan, SceneError};
 use crate::scene::{FluidScene, Settings};
+use crate::viscosity::ViscosityModel;
 
 /// What a configuration is a variation of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -131,7 +132,7 @@ impl Configuration {
     }
 
     fn depends_on_speed(&self) -> bool {
-        let plain = FluidScene::with_spacing(1.0);
+        let plain = plain();
         self.at_speed(&plain, 1.0) != self.at_speed(&plain, 2.0)
     }
 
@@ -140,10 +141,17 @@ impl Configuration {
     /// # Errors
     /// If a value of it cannot be written.
     pub fn changes(&self) -> Result<Vec<String>, InvalidInput> {
-        let plain = FluidScene::with_spacing(1.0);
+        let plain = plain();
         let (before, after) = (fields(&plain.settings)?, fields(&self.at_speed(&plain, 1.0).settings)?);
         Ok(after.into_iter().filter(|line| !before.contains(line)).collect())
     }
+}
+
+/// A scene in which everything that a configuration may change is there to be changed.
+fn plain() -> FluidScene {
+    let mut scene = FluidScene::with_spacing(1.0);
+    scene.settings.viscosity_model = Some(ViscosityModel::Morris1997);
+    scene
 }
 
 /// Each field of settings in a line.

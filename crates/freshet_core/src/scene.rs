@@ -275,8 +275,15 @@ pub struct Settings {
     /// How accurate the fluid is to be; chooses the other settings that say how it is simulated, which then have to be at their defaults. None: these
     /// settings as they are.
     pub fidelity: Option<FluidFidelity>,
-    /// Smoothing kernel.
+    /// Smoothing kernel: of densities, and of every term that has none of its own.
     pub kernel: KernelKind,
+    /// Kernel of pressure forces, on the same support (Mueller, Charypar & Gross 2003; P §4.2.3); none takes [`kernel`](Self::kernel). Artificial viscosity, friction and
+    /// what walls and bodies take of a viscous fluid go with it. Weakly compressible fluids with a summed density, walls of volume weights and one width of support.
+    /// Forces and densities then do not follow from one energy: a fluid may gain or lose some where one kernel would keep it.
+    pub pressure_kernel: Option<KernelKind>,
+    /// Kernel of [physical viscosity](Self::viscosity_model) between particles, likewise; [`KernelKind::Viscosity`] is made for it. None takes that of pressure.
+    /// Any solver; not with ghost particles, nor with supports of more than one width.
+    pub viscosity_kernel: Option<KernelKind>,
     /// Reach of the kernel.
     pub support: Support,
     /// How pressure is found.
@@ -347,6 +354,8 @@ impl Default for Settings {
         Self {
             fidelity: None,
             kernel: KernelKind::WendlandC2,
+            pressure_kernel: None,
+            viscosity_kernel: None,
             support: Support::Ratio(2.0),
             pressure_solver: PressureSolver::WeaklyCompressible,
             equation_of_state: None,
@@ -434,8 +443,57 @@ impl Settings {
         if self.density.is_carried() {
             return Err(InvalidInput::new("density", self.density.name(), allowed));
         }
+        if let Some(kernel) = self.pressure_kernel {
+            return Err(InvalidInput::new("pressure_kernel", kernel.name(), allowed));
+        }
         if self.wall_method != WallMethod::VolumeWeights {
             return Err(InvalidInput::new("wall_method", self.wall_method.name(), allowed));
+        }
+        Ok(())
+    }
+
+    /// Kernel of pressure forces.
+    pub fn of_pressure(&self) -> KernelKind {
+        self.pressure_kernel.unwrap_or(self.kernel)
+    }
+
+    /// Kernel of physical viscosity.
+    pub fn of_viscosity(&self) -> KernelKind {
+        self.viscosity_kernel.unwrap_or(self.of_pressure())
+    }
+
+    /// Refuses kernels of terms with what sums both by one kernel.
+    fn check_kernels(&self) -> Result<(), InvalidInput> {
+        let alone = |field: &str, kernel: KernelKind, with: &str| {
+            Err(InvalidInput::new(field, kernel.name(), format_args!("none, with {with}")))
+        };
+        let wide = "a settings.widest_support above 1";
+        if let Some(kernel) = self.pressure_kernel {
+            if self.density.is_carried() {
+                return alone(
+                    "pressure_kernel",
+                    kernel,
+                    "a settings.density that is carried: its rates are sums of gradients",
+                );
+            }
+            if self.wall_method != WallMethod::VolumeWeights {
+                let with = format!("a settings.wall_method of {}", self.wall_method.name());
+                return alone("pressure_kernel", kernel, &with);
+            }
+            if self.widest_support != 1.0 {
+                return alone("pressure_kernel", kernel, wide);
+            }
+        }
+        if let Some(kernel) = self.viscosity_kernel {
+            if self.viscosity_model.is_none() {
+                return alone("viscosity_kernel", kernel, "no settings.viscosity_model, whose kernel it is");
+            }
+            if self.wall_method == WallMethod::Ghosts {
+                return alone("viscosity_kernel", kernel, "a settings.wall_method of ghost particles");
+            }
+            if self.widest_support != 1.0 {
+                return alone("viscosity_kernel", kernel, wide);
+            }
         }
         Ok(())
     }
@@ -505,6 +563,7 @@ impl Settings {
             return Err(InvalidInput::new("pressure_force", self.pressure_force.name(), allowed));
         }
         self.check_density()?;
+        self.check_kernels()?;
         self.wall_method.validate().map_err(|error| error.inside("wall_method"))?;
         if let Some(relaxation) = &self.relaxation {
             relaxation.validate().map_err(|error| error.inside("relaxation"))?;

@@ -36,7 +36,7 @@ pub struct Work {
 impl Work {
     /// Of a stage. Stages of bodies and of the step count nothing: they have no share for every particle.
     pub fn of(stage: StageKind, parameters: &Parameters) -> Self {
-        let (shape, slope) = of_kernel(parameters.kernel);
+        let (shape, slope) = (of_kernel(parameters.kernel).0, of_kernel(parameters.pressure_kernel).1);
         // Sum of two widths, quotient, factor of the distance; and what a power of it takes.
         let width = |power: u32| if parameters.widest_support > 1.0 { 3 + power } else { 0 };
         match stage {
@@ -87,12 +87,17 @@ impl Work {
                     // Divisor, dividend, quotient, slope, vector.
                     per_pair += 3 + 1 + 1 + 1 + ADD_VECTOR;
                 }
+                if parameters.has_own_viscosity_kernel() {
+                    // A loop of its own.
+                    per_pair += DISTANCE + RELATIVE + 3 + of_kernel(parameters.viscosity_kernel).1;
+                }
                 if mueller {
                     // A loop of its own: differences of densities and pressures, divisor, dividend, quotient, product.
                     per_pair += DISTANCE + RELATIVE + slope + 6 + ADD_VECTOR;
                 }
                 if parameters.tensile_correction > 0.0 {
                     // A loop of its own: kernel and its fourth power, tensions, choice, product.
+                    let shape = of_kernel(parameters.pressure_kernel).0;
                     per_pair += DISTANCE + RELATIVE + shape + slope + 3 + 7 + 2 + ADD_VECTOR;
                 }
                 if parameters.near_pressure > 0.0 {
@@ -163,8 +168,8 @@ fn of_kernel(kernel: KernelKind) -> (u32, u32) {
         KernelKind::WendlandNotch => (18, 16),
         KernelKind::Poly6 => (6, 6),
         KernelKind::Spiky => (3, 5),
-        // No plan has it for density and pressure.
-        KernelKind::Viscosity => (0, 0),
+        // In viscous forces only.
+        KernelKind::Viscosity => (0, 2),
     }
 }
 

@@ -10,7 +10,7 @@ use freshet_core::solver::{Schedule, ScheduledBuffer, ScheduledPass, SolverError
 /// # Errors
 /// If a method of the plan does not exist on the CPU.
 pub fn lower(plan: &Plan) -> Result<Vec<ScheduledPass>, SolverError> {
-    if plan.parameters.kernel == KernelKind::Viscosity {
+    if [plan.parameters.kernel, plan.parameters.pressure_kernel].contains(&KernelKind::Viscosity) {
         return Err(SolverError::Unsupported {
             backend: "cpu",
             what: "the viscosity kernel for density and pressure".to_owned(),

@@ -228,6 +228,25 @@ impl SimdKernel for Spiky {
     }
 }
 
+/// What stands for the slope in viscous forces of [`KernelKind::Viscosity`]: half its Laplacian with the other sign.
+#[derive(Clone, Copy)]
+pub struct Viscosity;
+
+impl SimdKernel for Viscosity {
+    #[inline(always)]
+    fn shape<S: Simd>(simd: S, q: S::f32s) -> S::f32s {
+        let rest = line(simd, -0.5, q, 1.0);
+        let rest = simd.mul_add_f32s(square(simd, q), rest, simd.splat_f32s(-1.0));
+        let near = divide(simd, simd.splat_f32s(0.5), simd.max_f32s(q, simd.splat_f32s(TINY)));
+        simd.add_f32s(rest, near)
+    }
+
+    #[inline(always)]
+    fn slope_over_q<S: Simd>(simd: S, q: S::f32s) -> S::f32s {
+        scale(simd, -3.0, one_minus(simd, q))
+    }
+}
+
 /// See [`KernelKind::Gaussian`].
 #[derive(Clone, Copy)]
 pub struct Gaussian;
@@ -283,6 +302,14 @@ pub fn dispatch<T: WithKernel>(kind: KernelKind, task: T) -> T::Output {
     }
 }
 
+/// The same for a task of viscous forces, which are what the viscosity kernel is for.
+pub fn dispatch_viscous<T: WithKernel>(kind: KernelKind, task: T) -> T::Output {
+    match kind {
+        KernelKind::Viscosity => task.with(Viscosity),
+        other => dispatch(other, task),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -324,6 +351,21 @@ mod tests {
     fn lanes_agree_with_the_reference() {
         for kind in KernelKind::WITH_GRADIENT {
             dispatch(kind, Compare(kind));
+        }
+    }
+
+    #[test]
+    fn viscous_lanes_agree_with_the_reference() {
+        let (kind, arch) = (KernelKind::Viscosity, pulp::Arch::new());
+        let exact = Kernel::new(kind, 1.0).unwrap();
+        let norm = kind.normalisation();
+        for step in 1..=1000 {
+            let q = step as f32 / 1000.0;
+            let [value, slope] = arch.dispatch(Lane::<Viscosity>(q, std::marker::PhantomData));
+            let (expected, r) = (exact.viscous_over_r(f64::from(q)) / norm, f64::from(q));
+            assert!((f64::from(slope) - expected).abs() < 1e-6, "{q}: {slope}, not {expected}");
+            let expected = exact.value(r) / norm;
+            assert!((f64::from(value) - expected).abs() < 1e-6 * expected.max(1.0), "{q}: {value}, not {expected}");
         }
     }
 }

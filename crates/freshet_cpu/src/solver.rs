@@ -321,7 +321,7 @@ impl CpuSolver {
         self.solve = PressureSolve::default();
         self.positions = PositionSolve::default();
         let parameters = &self.plan.parameters;
-        let kernel = parameters.kernel().ok().filter(|_| parameters.tensile_correction > 0.0);
+        let kernel = parameters.pressure_kernel().ok().filter(|_| parameters.tensile_correction > 0.0);
         self.tensile = kernel.map(|kernel| [parameters.tensile_correction, inverse_shape(&kernel, parameters.spacing)]);
         self.before = Before::default();
         let solves = self.plan.has(StageKind::DivergenceSolve);

@@ -101,6 +101,7 @@ fn reference(plan: &Plan, state: &Snapshot) -> Reference {
         .map(|((x, &v), &viscous)| (x.as_dvec3(), f64::from(v), viscous))
         .collect();
     let of_width = |width: f64| Kernel::new(p.kernel, (f64::from(p.support_radius) * width) as f32).unwrap();
+    let of_pressure = Kernel::new(p.pressure_kernel, p.support_radius).unwrap();
     let density_with = |at: DVec3, kernel_of: &dyn Fn(usize) -> Kernel| {
         let fluid: f64 = x.iter().enumerate().map(|(b, other)| kernel_of(b).value(near(at - other).length())).sum();
         let wall: f64 = walls.iter().map(|(other, volume, _)| volume * kernel.value(near(at - other).length())).sum();
@@ -123,6 +124,18 @@ fn reference(plan: &Plan, state: &Snapshot) -> Reference {
         -f64::from(p.artificial_viscosity) * f64::from(p.sound_speed) * mu / mean_density
     };
     let mu = f64::from(p.dynamic_viscosity);
+    let of_viscosity = |r: f64| match p.viscosity_kernel {
+        // Half of Mueller's Laplacian (2003, eq. 22).
+        KernelKind::Viscosity => {
+            let radius = f64::from(p.support_radius);
+            -22.5 / (std::f64::consts::PI * radius.powi(6)) * (radius - r).max(0.0)
+        }
+        kind => Kernel::new(kind, p.support_radius).unwrap().derivative_over_r(r),
+    };
+    let calibration = match p.has_own_viscosity_kernel() {
+        true => f64::from(p.viscous_calibration / p.viscous_share),
+        false => f64::from(p.gradient_calibration),
+    };
     let acceleration = (0..x.len())
         .map(|a| {
             let (mut sum, mut physical) = (DVec3::ZERO, DVec3::ZERO);
@@ -132,7 +145,10 @@ fn reference(plan: &Plan, state: &Snapshot) -> Reference {
             for b in 0..x.len() {
                 let (apart, moving) = (near(x[a] - x[b]), v[a] - v[b]);
                 let viscous = pi(apart, moving, 0.5 * (density[a] + density[b]));
-                let slope = of_pair(a, b).derivative_over_r(apart.length());
+                let slope = match p.pressure_kernel == p.kernel {
+                    true => of_pair(a, b).derivative_over_r(apart.length()),
+                    false => of_pressure.derivative_over_r(apart.length()),
+                };
                 let push = match p.pressure_force {
                     PressureForce::Monaghan => term[a] + term[b],
                     PressureForce::Mueller => (pressure[a] + pressure[b]) / (density[a] * density[b]),
@@ -141,23 +157,25 @@ fn reference(plan: &Plan, state: &Snapshot) -> Reference {
                 let both = term[a] > 0.0 && term[b] > 0.0;
                 let tension = f64::from(p.tensile_correction) * (-term[a].min(0.0) - term[b].min(0.0));
                 let repels = if both { 0.01 * (term[a] + term[b]) } else { tension };
-                let ratio = kernel.value(apart.length()) / kernel.value(f64::from(p.spacing));
+                let ratio = of_pressure.value(apart.length()) / of_pressure.value(f64::from(p.spacing));
                 let repels = if p.tensile_correction > 0.0 { repels * ratio.powi(4) } else { 0.0 };
                 sum += mass * (push + viscous + repels) * slope * apart;
                 if a != b {
                     sum += mass * 2.0 * f64::from(p.near_pressure) / rest * steep(apart.length()) * apart;
                 }
                 let weight = apart.length_squared() / (apart.length_squared() + 0.01 * h * h);
+                let slope = if p.has_own_viscosity_kernel() { of_viscosity(apart.length()) } else { slope };
                 let morris = mass * 2.0 * mu / (density[a] * density[b]) * slope * weight * moving;
                 physical += if a == b { DVec3::ZERO } else { morris / f64::from(p.viscous_calibration) };
             }
             let (mut strength, mut slopes, mut wall_velocity) = (0.0, DVec3::ZERO, DVec3::ZERO);
             for (k, &(wall, volume, viscous)) in walls.iter().enumerate() {
                 let apart = near(x[a] - wall);
-                let slope = volume * kernel.derivative_over_r(apart.length());
+                let slope = volume * of_pressure.derivative_over_r(apart.length());
                 let drag = if viscous && mu == 0.0 { pi(apart, v[a], density[a]) } else { 0.0 };
                 sum += rest * (term[a] + drag) * slope * apart;
                 if viscous {
+                    let slope = volume * of_viscosity(apart.length());
                     strength += slope;
                     slopes += slope * apart;
                     wall_velocity += slope * plan.boundary.velocities.get(k).map_or(DVec3::ZERO, |v| v.as_dvec3());
@@ -165,7 +183,7 @@ fn reference(plan: &Plan, state: &Snapshot) -> Reference {
             }
             if mu > 0.0 && strength < 0.0 {
                 let distance = slopes.length() / -strength - f64::from(p.boundary_depth);
-                let rate = mu * rest / density[a].powi(2) * slopes.length() / f64::from(p.gradient_calibration);
+                let rate = mu * rest / density[a].powi(2) * slopes.length() / calibration;
                 physical -= rate * (v[a] - wall_velocity / strength) / distance.max(0.25 * f64::from(p.spacing));
             }
             p.gravity.as_dvec3() + physical - sum / f64::from(p.gradient_calibration)
@@ -271,6 +289,37 @@ fn the_other_form_of_the_pressure_force_agrees_too() {
             let largest = one.iter().map(|a| a.length()).fold(0.0, f64::max);
             let apart = one.iter().zip(&other).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
             assert!(apart > 1e-3 * largest, "{apart} of {largest}");
+        }
+    }
+}
+
+/// As Mueller et al. 2003 have them, and others; without walls' drag, with it and with fluid that sticks.
+#[test]
+fn kernels_of_terms_agree_too() {
+    use KernelKind::{Poly6, QuinticSpline, Spiky, Viscosity, WendlandC2};
+    for (kernel, pressure, viscosity, alpha, instruction_set) in [
+        (Poly6, Some(Spiky), Some(Viscosity), 0.0, InstructionSet::Widest),
+        (Poly6, Some(Spiky), None, 0.05, InstructionSet::Scalar),
+        (WendlandC2, None, Some(Viscosity), 0.05, InstructionSet::Scalar),
+        (QuinticSpline, Some(WendlandC2), Some(QuinticSpline), 0.05, InstructionSet::Widest),
+    ] {
+        for mut scene in [scene(kernel, alpha), channel(kernel, alpha)] {
+            scene.settings.pressure_kernel = pressure;
+            // Enough to count beside the pressures of a stirred fluid.
+            scene.material.dynamic_viscosity *= 1e4;
+            scene.settings.viscosity_kernel = viscosity.filter(|_| scene.settings.viscosity_model.is_some());
+            scene.settings.near_pressure = 0.2 * alpha;
+            scene.settings.tensile_correction = alpha;
+            let plan = Plan::new(&scene).unwrap();
+            assert_agrees(&plan, instruction_set);
+            // The kernels are told apart by what the test allows.
+            let state = jittered(&plan);
+            let mut without = plan.clone();
+            without.parameters.viscosity_kernel = plan.parameters.pressure_kernel;
+            let [one, other] = [&plan, &without].map(|plan| reference(plan, &state).acceleration);
+            let largest = one.iter().map(|a| a.length()).fold(0.0, f64::max);
+            let apart = one.iter().zip(&other).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
+            assert!(apart > 1e-3 * largest || !plan.parameters.has_own_viscosity_kernel(), "{apart} of {largest}");
         }
     }
 }

@@ -21,7 +21,8 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
     let p = &plan.parameters;
     let radius = f64::from(p.support_radius);
     let value_scale = p.kernel.normalisation() / radius.powi(3);
-    let slope_scale = value_scale / (radius * radius);
+    // Of gradients, which pressures act by.
+    let slope_scale = p.pressure_kernel.normalisation() / radius.powi(5);
     let (mass, rest) = (f64::from(p.particle_mass), f64::from(p.rest_density));
     let density = value_scale / f64::from(p.density_calibration);
     let force = slope_scale / f64::from(p.gradient_calibration);
@@ -42,7 +43,6 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
     let ends = |end: usize, none: f32| {
         Vec3::from([0, 1, 2].map(|axis| plan.grid.periodic.along(axis).map_or(none, |(low, high)| [low, high][end])))
     };
-    let viscosity = f64::from(p.dynamic_viscosity);
     let diagonal_scale =
         (mass * slope_scale).powi(2) / (f64::from(p.density_calibration) * f64::from(p.gradient_calibration) * rest);
     // Of other plans nobody reads it.
@@ -80,9 +80,9 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         period_low: ends(0, f32::MIN),
         period_high: ends(1, f32::MAX),
         near_pressure: (2.0 * f64::from(p.near_pressure) / rest * near_pressure::NORMALISATION
-            / p.kernel.normalisation()) as f32,
+            / p.pressure_kernel.normalisation()) as f32,
         xsph_scale: (2.0 * f64::from(p.xsph) * mass * density) as f32,
-        pair_viscosity: (2.0 * viscosity * f64::from(p.gradient_calibration) / f64::from(p.viscous_calibration)) as f32,
+        pair_viscosity: p.pair_viscosity(),
         wall_viscosity,
         wall_depth,
         wall_relative_density: match p.wall_method {
@@ -91,7 +91,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         },
         wall_reach: p.wall_method.reach_of_planes(p.spacing, p.support_radius)[0],
         body_depth: p.boundary_depth,
-        body_viscosity: p.dynamic_viscosity,
+        body_viscosity: p.sticking_to_bodies(),
         nearest_wall: 0.25 * p.spacing,
         bounds_max: p.bounds_max,
         inverse_support_radius: (1.0 / radius) as f32,
@@ -135,7 +135,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         relaxation: p.relaxation,
         softness: p.softness,
         tensile_correction: p.tensile_correction,
-        inverse_shape: p.kernel().map_or(0.0, |kernel| inverse_shape(&kernel, p.spacing)),
+        inverse_shape: p.pressure_kernel().map_or(0.0, |kernel| inverse_shape(&kernel, p.spacing)),
         longest_way: p.longest_way(),
         pressure_limit: 2.0 * DivergenceFree::PRESSURE_FACTOR * p.spacing / p.pressure_frequency.max(1e-12),
         shortest_substep: DivergenceFree::SHORTEST,

@@ -12,7 +12,7 @@ use freshet_core::pressure_solver::PressureSolver;
 use freshet_core::solver::SolverError;
 use freshet_core::variable_support::EVALUATIONS;
 use freshet_core::wall_method::{Reflection, WallMethod};
-use freshet_shaders::library;
+use freshet_shaders::{ShaderFile, library};
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 use wgpu::naga;
 
@@ -99,6 +99,7 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
         ("XSPH_DRIFT", parameters.xsph > 0.0),
         ("WIDTHS", parameters.widest_support > 1.0),
         ("MORRIS_VISCOSITY", parameters.dynamic_viscosity > 0.0),
+        ("OWN_VISCOSITY_KERNEL", parameters.has_own_viscosity_kernel()),
         ("DRAGGING_WALLS", walls && drag == WallDrag::Artificial),
         ("STICKING_WALLS", walls && drag == WallDrag::Morris),
         ("MOVING_WALLS", moving_walls(plan)),
@@ -133,7 +134,17 @@ pub(crate) fn definitions(plan: &Plan, options: &GpuOptions) -> Result<Definitio
             set(name);
         }
     }
-    set(kernel_definition(parameters.kernel)?);
+    let terms = [("", parameters.kernel), ("PRESSURE_", parameters.pressure_kernel)];
+    if let Some((_, kernel)) = terms.into_iter().find(|(_, kernel)| *kernel == KernelKind::Viscosity) {
+        return Err(SolverError::Unsupported {
+            backend: "gpu",
+            what: format!("kernel {}", kernel.name()),
+            reason: "it is a Laplacian only; use another kernel for density and pressure".to_owned(),
+        });
+    }
+    for (term, kernel) in terms.into_iter().chain([("VISCOSITY_", parameters.viscosity_kernel)]) {
+        set(&format!("{term}KERNEL_{}", kernel.name().to_uppercase()));
+    }
     if let Some(name) = integrator_definition(parameters.integrator)? {
         set("INTEGRATOR");
         set(name);
@@ -173,32 +184,28 @@ fn integrator_definition(integrator: Integrator) -> Result<Option<&'static str>,
     })
 }
 
-fn kernel_definition(kernel: KernelKind) -> Result<&'static str, SolverError> {
-    Ok(match kernel {
-        KernelKind::Gaussian => "KERNEL_GAUSSIAN",
-        KernelKind::CubicSpline => "KERNEL_CUBIC_SPLINE",
-        KernelKind::QuinticSpline => "KERNEL_QUINTIC_SPLINE",
-        KernelKind::Quadratic => "KERNEL_QUADRATIC",
-        KernelKind::Quartic => "KERNEL_QUARTIC",
-        KernelKind::WendlandC2 => "KERNEL_WENDLAND_C2",
-        KernelKind::WendlandNotch => "KERNEL_WENDLAND_NOTCH",
-        KernelKind::Poly6 => "KERNEL_POLY6",
-        KernelKind::Spiky => "KERNEL_SPIKY",
-        KernelKind::Viscosity => {
-            return Err(SolverError::Unsupported {
-                backend: "gpu",
-                what: "kernel viscosity".to_owned(),
-                reason: "it is a Laplacian only; use another kernel for density and pressure".to_owned(),
-            });
-        }
-    })
-}
-
 /// What a pass is composed of, with paths: the generated bindings, the library, last its own file.
 pub(crate) fn sources(pass: &Pass, options: &GpuOptions) -> Vec<(&'static str, Cow<'static, str>)> {
     let bindings = bindings_module(&pass.uses, options.textures());
-    let files = library::ALL.iter().chain([&pass.file]).map(|file| (file.path, Cow::Borrowed(file.source)));
-    [("generated/bindings.wgsl", Cow::Owned(bindings))].into_iter().chain(files).collect()
+    let of_file = |file: &ShaderFile| (file.path, Cow::Borrowed(file.source));
+    let mut all = vec![("generated/bindings.wgsl", Cow::Owned(bindings))];
+    for file in library::ALL {
+        all.push(of_file(file));
+        if *file == library::KERNELS {
+            all.push(("generated/pressure_kernels.wgsl", kernels_of("pressure", file)));
+            all.push(("generated/viscosity_kernels.wgsl", kernels_of("viscosity", file)));
+        }
+    }
+    all.push(of_file(&pass.file));
+    all
+}
+
+/// The module of kernels again, for a term that may have one of its own.
+fn kernels_of(term: &str, file: &ShaderFile) -> Cow<'static, str> {
+    let path = file
+        .source
+        .replace("#define_import_path freshet::kernels", &format!("#define_import_path freshet::{term}_kernels"));
+    Cow::Owned(path.replace("#ifdef KERNEL_", &format!("#ifdef {}_KERNEL_", term.to_uppercase())))
 }
 
 /// Composes one pass.

@@ -28,6 +28,10 @@ pub struct FluidSettings {
     pub fidelity: Option<FluidFidelity>,
     /// Smoothing kernel; not [`FluidKernel::Viscosity`], which has a Laplacian only.
     pub kernel: FluidKernel,
+    /// Kernel of pressure forces; none takes [`kernel`](Self::kernel): see [`Settings::pressure_kernel`].
+    pub pressure_kernel: Option<FluidKernel>,
+    /// Kernel of physical viscosity, [`FluidKernel::Viscosity`] among them; none takes that of pressure forces: see [`Settings::viscosity_kernel`].
+    pub viscosity_kernel: Option<FluidKernel>,
     /// Reach of the kernel over the spacing, 1.5 to 4.
     pub support_ratio: f32,
     /// How pressure is found.
@@ -90,6 +94,8 @@ impl FluidSettings {
         Self {
             fidelity: settings.fidelity.map(Into::into),
             kernel: settings.kernel.into(),
+            pressure_kernel: settings.pressure_kernel.map(Into::into),
+            viscosity_kernel: settings.viscosity_kernel.map(Into::into),
             support_ratio,
             pressure_solver: settings.pressure_solver.into(),
             equation_of_state: settings.equation_of_state.map(Into::into),
@@ -121,6 +127,8 @@ impl FluidSettings {
         Settings {
             fidelity: self.fidelity.map(Into::into),
             kernel: self.kernel.into(),
+            pressure_kernel: self.pressure_kernel.map(Into::into),
+            viscosity_kernel: self.viscosity_kernel.map(Into::into),
             support: Support::Ratio(self.support_ratio),
             pressure_solver: self.pressure_solver.into(),
             equation_of_state: self.equation_of_state.map(Into::into),

@@ -24,6 +24,7 @@ pub(crate) struct SampledFrom {
     spacing: f32,
     fidelity: Option<FluidFidelity>,
     kernel: FluidKernel,
+    pressure_kernel: Option<FluidKernel>,
     support_ratio: f32,
     /// In the body's own frame, m: samples are relative to it, and another mass of one of several colliders moves it.
     center_of_mass: Vec3,
@@ -38,10 +39,11 @@ impl SampledFrom {
             let address = std::ptr::from_ref(collider.shape()).cast::<()>() as usize;
             (address, collider.is_enabled() && !collider.is_sensor(), collider.position_wrt_parent().copied())
         });
-        let FluidSettings { fidelity, kernel, support_ratio, .. } = domain.settings;
+        let FluidSettings { fidelity, kernel, pressure_kernel, support_ratio, .. } = domain.settings;
         let (center_of_mass, colliders) = (body.local_center_of_mass(), colliders.collect());
         let sampling = fluid_body.sampling;
-        Self { sampling, spacing: domain.spacing, fidelity, kernel, support_ratio, center_of_mass, colliders }
+        let spacing = domain.spacing;
+        Self { sampling, spacing, fidelity, kernel, pressure_kernel, support_ratio, center_of_mass, colliders }
     }
 }
 

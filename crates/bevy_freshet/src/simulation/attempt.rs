@@ -3,7 +3,6 @@
 use bevy::prelude::*;
 use freshet_core::error::InvalidInput;
 use freshet_core::plan::{Plan, SceneError};
-use freshet_core::sampling::wall_layer::WallLayer;
 use freshet_core::scene::{Body, FluidScene};
 
 use super::gather::Sources;
@@ -95,7 +94,7 @@ fn add_movers(scene: &mut FluidScene, recipe: &mut Recipe, bodies: &mut MoverBod
 
 /// The bounds are around walls that move, too, unless they are given: where a plan's bodies are is not known to it.
 fn give_room_to_movers(plan: &mut Plan, recipe: &Recipe, bodies: &mut MoverBodies) {
-    let layer = plan.parameters.kernel().ok().map(|kernel| WallLayer::new(&kernel, plan.parameters.spacing));
+    let layer = plan.parameters.wall_layer().ok();
     let (None, Some(layer)) = (recipe.settings.bounds, layer) else { return };
     for mover in &recipe.movers {
         let Ok(body) = bodies.body(mover, &layer) else { continue };

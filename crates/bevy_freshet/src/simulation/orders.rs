@@ -2,7 +2,6 @@
 
 use bevy::prelude::*;
 use freshet_core::plan::{LeftOut, Plan};
-use freshet_core::sampling::wall_layer::WallLayer;
 use freshet_core::scene::MAX_PARTICLES;
 use freshet_core::snapshot::Snapshot;
 use freshet_core::step::Command;
@@ -34,7 +33,7 @@ pub(crate) fn carry_out(
     state.movers = movers.map(|(i, mover)| MovingWall::new(mover, samples(i), &state.movers)).collect();
     let walls = recipe.walls.iter().map(|wall| wall.boundary.clone());
     state.boundaries = walls.chain(recipe.movers.iter().map(Mover::boundary)).collect();
-    state.layer = plan.parameters.kernel().ok().map(|kernel| WallLayer::new(&kernel, plan.parameters.spacing));
+    state.layer = plan.parameters.wall_layer().ok();
     if let (Some(watch), Some(layer)) = (&mut state.watch, &state.layer) {
         watch.set_walls(layer, &state.boundaries);
         let first = state.boundaries.len() - state.movers.len();

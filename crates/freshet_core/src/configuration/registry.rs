@@ -53,6 +53,11 @@ fn sound(scene: &mut FluidScene, expected_speed: f32, times: f32) {
     scene.settings.allow_compressible = times < 10.0;
 }
 
+/// Viscosity by the kernel made for it, where there is viscosity.
+fn viscosity_kernel(scene: &mut FluidScene, _: f32) {
+    scene.settings.viscosity_kernel = scene.settings.viscosity_model.map(|_| KernelKind::Viscosity);
+}
+
 /// A linear equation of state with the plan's own speed of sound.
 fn linear(scene: &mut FluidScene, expected_speed: f32) {
     scene.settings.equation_of_state = Some(EquationOfState::Linear { sound_speed: 10.0 * expected_speed });
@@ -511,10 +516,28 @@ pub const CONFIGURATIONS: &[Configuration] = &[
     ),
     of(
         Kernel,
+        "spiky-pressure",
+        |scene, _| scene.settings.pressure_kernel = Some(KernelKind::Spiky),
+        "pressures that never let particles pair, with densities that see little of a lattice",
+        "forces and densities follow from no common energy",
+    ),
+    of(
+        Kernel,
         "viscosity-kernel",
-        |scene, _| scene.settings.kernel = KernelKind::Viscosity,
-        "its Laplacian, in viscous forces",
-        "density and pressure: it is infinite at the centre",
+        viscosity_kernel,
+        "viscous forces by a Laplacian that is nowhere negative (Mueller et al. 2003)",
+        "a sweep of its own over the pairs on the CPU; nothing where the fluid has no viscosity model",
+    ),
+    of(
+        Kernel,
+        "mueller-kernels",
+        |scene, expected_speed| {
+            scene.settings.kernel = KernelKind::Poly6;
+            scene.settings.pressure_kernel = Some(KernelKind::Spiky);
+            viscosity_kernel(scene, expected_speed);
+        },
+        "comparison with Mueller et al. 2003 and Krog 2010: poly6, spiky and viscosity",
+        "forces and densities follow from no common energy",
     ),
     of(
         Neighbours,

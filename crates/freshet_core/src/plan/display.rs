@@ -31,6 +31,12 @@ impl fmt::Display for Plan {
             self.bodies.len(),
             self.body_samples()
         )?;
+        if p.pressure_kernel != p.kernel {
+            writeln!(f, "  {} kernel of pressure forces", p.pressure_kernel.name())?;
+        }
+        if p.has_own_viscosity_kernel() {
+            writeln!(f, "  {} kernel of viscosity", p.viscosity_kernel.name())?;
+        }
         match p.pressure_solver {
             PressureSolver::WeaklyCompressible => writeln!(
                 f,

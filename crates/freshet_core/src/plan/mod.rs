@@ -28,7 +28,7 @@ use self::checks::{
 };
 use self::extent::Extent;
 use self::left_out::{Start, leave_out};
-use self::resolution::{kernel_of, spacing_of};
+use self::resolution::{Kernels, spacing_of};
 use self::sampling::{bear, plan_body, press, sample_boundaries, sample_volumes, stand};
 use self::speeds::{equation_and_sound_speed, expected_speed};
 use self::stages::stages;
@@ -44,7 +44,6 @@ use crate::pressure_solver::{
     DivergenceFree, PressureSolver, largest_eigenvalue, lattice_diagonal, pressure_frequency,
 };
 use crate::relaxation::Relaxation;
-use crate::sampling::wall_layer::WallLayer;
 use crate::scene::{FluidScene, MAX_SPACING, MIN_SPACING};
 use crate::step::StepInput;
 use crate::tensile_correction::POSITIVE;
@@ -113,7 +112,8 @@ impl Plan {
         let mut notes = Vec::new();
         let spacing = spacing_of(scene);
         check_range("resolution", spacing, MIN_SPACING, MAX_SPACING, "m between particles")?;
-        let kernel = kernel_of(scene, spacing)?;
+        let kernels = Kernels::of(scene, spacing)?;
+        let kernel = kernels.density;
         let support_radius = kernel.support_radius();
         let periodic = scene.periodic;
         let reach = support_radius * settings.widest_support;
@@ -132,7 +132,7 @@ impl Plan {
         }
         let (mut positions, mut velocities, mut volume_ids) = sample_volumes(&scene.volumes, spacing)?;
         check_particles_within(&periodic, &positions, spacing)?;
-        let layer = WallLayer::new(&kernel, spacing);
+        let layer = kernels.wall_layer(spacing)?;
         let boundary = sample_boundaries(&scene.boundaries, settings.wall_method, &periodic, &layer)?;
         let asked = volume_ids.clone();
         let start = Start { positions: &mut positions, velocities: &mut velocities, ids: &mut volume_ids };
@@ -228,8 +228,10 @@ impl Plan {
             particle_mass: rest_density * spacing * spacing * spacing,
             rest_density,
             kernel: settings.kernel,
+            pressure_kernel: settings.of_pressure(),
+            viscosity_kernel: settings.of_viscosity(),
             density_calibration: kernel.lattice_sum(spacing) as f32,
-            gradient_calibration: kernel.lattice_gradient_sum(spacing) as f32,
+            gradient_calibration: kernels.pressure.lattice_gradient_sum(spacing) as f32,
             boundary_gamma: layer.gamma,
             boundary_depth: layer.depth,
             pressure_solver: settings.pressure_solver,
@@ -259,7 +261,11 @@ impl Plan {
             xsph: settings.xsph,
             widest_support: settings.widest_support,
             dynamic_viscosity: scene.physical_viscosity().map_or(0.0, |_| scene.material.dynamic_viscosity),
-            viscous_calibration: kernel.lattice_viscous_sum(spacing) as f32,
+            viscous_calibration: kernels.viscous_calibration(spacing) as f32,
+            viscous_share: match kernels.viscosity == kernels.pressure {
+                true => 1.0,
+                false => layer.viscous_share(&kernels.viscosity) as f32,
+            },
             wall_method: settings.wall_method,
             wall_strength: settings.wall_method.strength(expected_speed, sound_speed, spacing),
             integrator: settings.integrator,

@@ -11,6 +11,7 @@ use crate::integrator::Integrator;
 use crate::kernel::{Kernel, KernelKind};
 use crate::pressure_force::PressureForce;
 use crate::pressure_solver::{DivergenceFree, PressureSolver};
+use crate::sampling::wall_layer::WallLayer;
 use crate::wall_method::WallMethod;
 
 /// Every number the solvers use, derived once.
@@ -26,8 +27,12 @@ pub struct Parameters {
     pub particle_mass: f32,
     /// Density at rest, kg/m3.
     pub rest_density: f32,
-    /// Kernel.
+    /// Kernel of densities, and of whatever else sums values.
     pub kernel: KernelKind,
+    /// Kernel of pressure forces, and of what else goes with a gradient: artificial viscosity, friction, what walls take of a viscous fluid.
+    pub pressure_kernel: KernelKind,
+    /// Kernel of physical viscosity between particles.
+    pub viscosity_kernel: KernelKind,
     /// S: the kernel sum on the rest lattice; densities are divided by it.
     pub density_calibration: f32,
     /// Factor on pair forces' divisor, so that a linear pressure on the rest lattice has its exact gradient.
@@ -73,8 +78,12 @@ pub struct Parameters {
     pub widest_support: f32,
     /// Dynamic viscosity of Morris' model, Pa s; zero without a model.
     pub dynamic_viscosity: f32,
-    /// Divisor of Morris' pair forces, so that a parabolic velocity on the rest lattice has its exact force.
+    /// Divisor of Morris' pair forces, so that a parabolic velocity on the rest lattice has its exact force; where viscosity has a kernel of its own, on planes of that lattice
+    /// that [slide past each other](Kernel::sheared_viscous_sum).
     pub viscous_calibration: f32,
+    /// What viscosity with a kernel of its own gives next to a wall over what a layer of samples gives, see
+    /// [`viscous_share`](crate::sampling::wall_layer::WallLayer::viscous_share); one for the kernel of pressure.
+    pub viscous_share: f32,
     /// How walls act on the fluid.
     pub wall_method: WallMethod,
     /// How hard, see [`WallMethod::strength`].
@@ -208,13 +217,66 @@ impl Parameters {
     pub fn sticking(&self) -> (f32, f32) {
         match self.wall_method {
             WallMethod::QuasiFluid(walls) => {
-                (0.5 * self.spacing, 2.0 * self.dynamic_viscosity / walls.relative_density())
+                let viscosity = self.dynamic_viscosity * self.viscous_unit() as f32;
+                (0.5 * self.spacing, 2.0 * viscosity / walls.relative_density())
             }
-            _ => (self.boundary_depth, self.dynamic_viscosity),
+            _ => (self.boundary_depth, self.sticking_to_bodies()),
         }
     }
 
-    /// The kernel on the support radius.
+    /// The viscosity between samples of bodies and the fluid, Pa s: those of a single layer, see [`sticking`](Self::sticking).
+    pub fn sticking_to_bodies(&self) -> f32 {
+        self.dynamic_viscosity * (f64::from(self.viscous_share) * self.viscous_unit()) as f32
+    }
+
+    /// `2 mu G / G'`, Pa s: viscosity between particles, as forces are divided by G, and multiplied with the constant of the pressure's kernel.
+    pub fn pair_viscosity(&self) -> f32 {
+        let calibration = f64::from(self.gradient_calibration) / f64::from(self.viscous_calibration);
+        let constants = self.viscosity_kernel.normalisation() / self.pressure_kernel.normalisation();
+        (2.0 * f64::from(self.dynamic_viscosity) * calibration * constants) as f32
+    }
+
+    /// What sums of a viscosity kernel's slopes are worth that are taken as those of the pressure's; one where it is the same.
+    fn viscous_unit(&self) -> f64 {
+        match self.has_own_viscosity_kernel() {
+            true => 0.5 * f64::from(self.pair_viscosity() / self.dynamic_viscosity),
+            false => 1.0,
+        }
+    }
+
+    /// Whether viscosity between particles has a kernel that pressure has not.
+    pub fn has_own_viscosity_kernel(&self) -> bool {
+        self.dynamic_viscosity > 0.0 && self.viscosity_kernel != self.pressure_kernel
+    }
+
+    /// Where samples of walls and bodies lie, and what they weigh.
+    ///
+    /// # Errors
+    /// If the support radius is out of range.
+    pub fn wall_layer(&self) -> Result<WallLayer, InvalidInput> {
+        Ok(WallLayer::of_terms(&self.kernel()?, &self.pressure_kernel()?, self.spacing))
+    }
+
+    /// The kernel of pressure forces on the support radius.
+    ///
+    /// # Errors
+    /// If the support radius is out of range.
+    pub fn pressure_kernel(&self) -> Result<Kernel, InvalidInput> {
+        Kernel::new(self.pressure_kernel, self.support_radius)
+    }
+
+    /// The kernel of physical viscosity on the support radius.
+    ///
+    /// # Errors
+    /// If the support radius is out of range.
+    pub fn viscosity_kernel(&self) -> Result<Kernel, InvalidInput> {
+        Kernel::new(self.viscosity_kernel, self.support_radius)
+    }
+
+    /// The kernel of densities on the support radius.
+    ///
+    /// # Errors
+    /// If the support radius is out of range.
     pub fn kernel(&self) -> Result<Kernel, InvalidInput> {
         Kernel::new(self.kernel, self.support_radius)
     }

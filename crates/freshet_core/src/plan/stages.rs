@@ -182,7 +182,13 @@ pub(super) fn stages(scene: &FluidScene, walls: bool, bodies: &[PlannedBody]) ->
         (true, Some(_)) => ", artificial viscosity, the material's viscosity and gravity",
         (false, Some(_)) => ", the material's viscosity and gravity",
     };
-    add(StageKind::Acceleration, &format!("{pressure}{rest}"));
+    let settings = &scene.settings;
+    let of_terms = [("pressure", settings.pressure_kernel), ("viscosity", settings.viscosity_kernel)];
+    let of_terms: String = of_terms
+        .into_iter()
+        .filter_map(|(term, kernel)| kernel.map(|kernel| format!("; settings.{term}_kernel is {}", kernel.name())))
+        .collect();
+    add(StageKind::Acceleration, &format!("{pressure}{rest}{of_terms}"));
     if walls && method.is_force() {
         let name = method.name();
         add(

@@ -44,15 +44,26 @@ pub struct WallLayer {
 impl WallLayer {
     /// Solves the two conditions of the module's text for fluid `spacing` metres apart.
     pub fn new(kernel: &Kernel, spacing: f32) -> Self {
+        Self::of_terms(kernel, kernel, spacing)
+    }
+
+    /// Largest gamma of [kernels of terms](Self::of_terms): what has more lies where values are nearly zero, so that a particle a little nearer to it is pressed by a multiple.
+    pub const MOST_GAMMA: f32 = 100.0;
+
+    /// The same for a fluid with a kernel of its own for [pressure forces](crate::scene::Settings::pressure_kernel), on the same support: values are those of `kernel`, slopes those of `pressure`.
+    ///
+    /// Where `pressure` falls much faster towards its end than `kernel`, no layer meets both conditions: the one found then lies at the end of the support with a gamma
+    /// above [`MOST_GAMMA`](Self::MOST_GAMMA), and plans refuse it.
+    pub fn of_terms(kernel: &Kernel, pressure: &Kernel, spacing: f32) -> Self {
         let (d, reach) = (f64::from(spacing), f64::from(kernel.support_radius()));
         let planes = || (1..).map(|k| k as f64 * d).take_while(|z| *z < reach);
         let value: f64 = planes().map(|z| plane_sum(kernel, z)).sum();
-        let slope: f64 = planes().map(|z| plane_slope(kernel, z)).sum();
+        let slope: f64 = planes().map(|z| plane_slope(pressure, z)).sum();
         // -A'/A grows from the first plane, where the condition asks for twice the slope, to the end of the support.
         let (mut near, mut far) = (d.min(reach), reach);
         for _ in 0..60 {
             let z = 0.5 * (near + far);
-            if plane_slope(kernel, z) * value > 2.0 * slope * plane_sum(kernel, z) { near = z } else { far = z }
+            if plane_slope(pressure, z) * value > 2.0 * slope * plane_sum(kernel, z) { near = z } else { far = z }
         }
         let z = near;
         let volume_per_area = value / plane_sum(kernel, z).max(f64::MIN_POSITIVE);
@@ -65,6 +76,24 @@ impl WallLayer {
             gamma: (volume * own_sum(kernel, d)) as f32,
             most: 0.5,
         }
+    }
+
+    /// What a viscosity with a [kernel of its own](crate::scene::Settings::viscosity_kernel) has to be multiplied with at the layer's samples, so that a sheared fluid
+    /// hands the wall as much momentum as it hands on inside; no unit.
+    ///
+    /// In a fluid of planes of particles `k d` apart, k pairs of planes lie across any surface between two of them at each distance `k d`: they exchange
+    /// `sum k E(k d)`, with E the exchange of a pair of planes. Next to the wall the planes at `d/2, 3d/2, ...` exchange with the layer alone. Twice the one over the other,
+    /// as walls act with half the viscosity of a pair. For the kernel of pressure, where planes two spacings apart feel nothing of each other, this is one
+    /// by the layer's own condition on slopes.
+    pub fn viscous_share(&self, viscosity: &Kernel) -> f64 {
+        let (d, reach) = (f64::from(self.spacing), f64::from(viscosity.support_radius()));
+        let up_to_reach = |offset: f64| {
+            (1..).map(move |k| (f64::from(k), f64::from(k) * d + offset)).take_while(move |(_, z)| *z < reach)
+        };
+        let fluid: f64 = up_to_reach(0.0).map(|(k, z)| k * plane_exchange(viscosity, z)).sum();
+        let layer: f64 = up_to_reach(f64::from(self.depth) - 0.5 * d).map(|(_, z)| plane_exchange(viscosity, z)).sum();
+        let volume_per_area = f64::from(self.gamma) / (own_sum(&self.kernel, d) * d.powi(3));
+        2.0 * fluid / (volume_per_area * layer)
     }
 
     /// The [three layers](super::quasi_fluid) of samples each of which stands for one layer of particles.
@@ -151,13 +180,22 @@ impl WallLayer {
 /// `2 pi` times the integral of `W r dr` from z on: the sum of W over a plane at distance z, averaged along the plane, times the
 /// area of a sample.
 fn plane_sum(kernel: &Kernel, z: f64) -> f64 {
+    over_plane(kernel, z, Kernel::value)
+}
+
+/// The sum of `F z` over the same plane, F being [`Kernel::viscous_over_r`].
+fn plane_exchange(kernel: &Kernel, z: f64) -> f64 {
+    z * over_plane(kernel, z, Kernel::viscous_over_r)
+}
+
+fn over_plane(kernel: &Kernel, z: f64, of: fn(&Kernel, f64) -> f64) -> f64 {
     const STEPS: u32 = 400;
     let reach = f64::from(kernel.support_radius());
     if z >= reach {
         return 0.0;
     }
     let step = (reach - z) / f64::from(STEPS);
-    let sum: f64 = (0..STEPS).map(|i| z + (f64::from(i) + 0.5) * step).map(|r| kernel.value(r) * r).sum();
+    let sum: f64 = (0..STEPS).map(|i| z + (f64::from(i) + 0.5) * step).map(|r| of(kernel, r) * r).sum();
     2.0 * PI * sum * step
 }
 

@@ -63,6 +63,8 @@ pub struct Inputs<'a> {
     pub softening: f32,
     /// m/s2.
     pub gravity: Vec3,
+    /// Whether results are added to what is there instead of taking its place: to that of a [viscosity](super::viscosity) with a kernel of its own.
+    pub adds: bool,
     /// Whether [`Maxima`] are asked for: iterations of a pressure solve need none.
     pub maxima: bool,
     /// How long, s, particles are to be moved on before their speeds are compared.
@@ -148,6 +150,8 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: 
         let pairs = Pairs::new(simd, &inputs);
         let (is_artificial, is_physical) =
             (ARTIFICIAL && inputs.viscosity > 0.0, PHYSICAL && inputs.physical.is_some());
+        // At viscous faces the physical viscosity acts in the artificial one's stead.
+        let drags = is_artificial && !is_physical && !inputs.adds;
         let mut maxima = Maxima::default();
         let mut lists = candidates.lists();
         for cell in chunk.cells.clone() {
@@ -204,7 +208,7 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: 
                     sticking.pack(simd, list, [x, y, z, &samples.viscous_volume, u, v, w], at);
                     morris1997::add_walls::<S, K>(simd, pairs, own, sticking, wall_sums);
                 }
-                if is_artificial && !is_physical && samples.drags() {
+                if drags && samples.drags() {
                     let [volume, weight, term] = [&*samples.volume, &*samples.viscous_volume, &*samples.pressure_term];
                     let [u, v, w] = samples.velocity();
                     match (samples.moves(), term.is_empty()) {
@@ -240,6 +244,9 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: 
                     value += morris1997::wall_drag(simd, walls, viscosity, velocity, inputs.density[i]);
                 }
                 let at = i - chunk.particles.start;
+                if inputs.adds {
+                    value += Vec3::new(ax[at], ay[at], az[at]);
+                }
                 (ax[at], ay[at], az[at]) = value.into();
                 if inputs.maxima {
                     let speed = inputs.particles.velocity_of(i) + inputs.ahead * value;
@@ -257,14 +264,14 @@ impl<K: SimdKernel, const ARTIFICIAL: bool, const PHYSICAL: bool, const WIDTHS: 
 #[derive(Clone, Copy)]
 pub struct Own<'a> {
     position: [&'a [f32]; 3],
-    velocity: [&'a [f32]; 3],
-    density: &'a [f32],
+    pub(super) velocity: [&'a [f32]; 3],
+    pub(super) density: &'a [f32],
     pressure_term: &'a [f32],
 }
 
 impl<'a> Own<'a> {
     #[inline(always)]
-    fn new(inputs: &Inputs<'a>, range: &std::ops::Range<usize>) -> Self {
+    pub(super) fn new(inputs: &Inputs<'a>, range: &std::ops::Range<usize>) -> Self {
         let ([x, y, z], [u, v, w]) = (&inputs.particles.position, &inputs.particles.velocity);
         Self {
             position: [&x[range.clone()], &y[range.clone()], &z[range.clone()]],
@@ -565,7 +572,7 @@ pub struct Pairs<S: Simd> {
 
 impl<S: Simd> Pairs<S> {
     #[inline(always)]
-    fn new(simd: S, inputs: &Inputs) -> Self {
+    pub(super) fn new(simd: S, inputs: &Inputs) -> Self {
         Self {
             in_radii: ScaledRoot::new(simd, 1.0 / inputs.grid.support_radius),
             sample_factor: simd.splat_f32s(inputs.sample_factor),

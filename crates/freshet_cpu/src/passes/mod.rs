@@ -21,6 +21,7 @@ pub mod projection;
 pub mod sort;
 pub mod step_control;
 pub mod support;
+pub mod viscosity;
 pub mod wall_collision;
 pub mod wall_density;
 pub mod wall_force;

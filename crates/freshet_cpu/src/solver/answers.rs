@@ -4,7 +4,7 @@ use freshet_core::plan::Parameters;
 use freshet_core::pressure_solver::DivergenceFree;
 use glam::{DVec3, Vec3};
 
-use super::stages::kernel_scale;
+use super::stages::slope_scale;
 use crate::passes::body_motion::{Motion, MovingBody};
 use crate::passes::body_touch::Touch;
 use crate::workers::Chunk;
@@ -46,7 +46,7 @@ pub(super) struct Answers {
 impl Answers {
     /// Takes what was found in `count` chunks.
     pub fn take_found(&mut self, count: usize, parameters: &Parameters) {
-        let gradient = parameters.particle_mass * kernel_scale(parameters, 5);
+        let gradient = parameters.particle_mass * slope_scale(parameters);
         self.factor = parameters.particle_mass * gradient / parameters.gradient_calibration;
         self.touches.clear();
         self.found[..count].iter().for_each(|found| self.touches.extend(found));
@@ -169,7 +169,7 @@ impl Answers {
         for touch in &self.touches {
             self.sums[touch.body as usize][0].x += f64::from(size(touch));
         }
-        let gradient = parameters.particle_mass * kernel_scale(parameters, 5);
+        let gradient = parameters.particle_mass * slope_scale(parameters);
         let calibrations = parameters.density_calibration * parameters.gradient_calibration;
         let factor = gradient * gradient / (calibrations * parameters.rest_density) * parameters.particle_mass;
         let over_eigenvalue = parameters.relaxation / DivergenceFree::RELAXATION;

@@ -9,7 +9,7 @@ use pulp::Arch;
 
 use super::CpuSolver;
 use super::solves::{Pace, Solved, mean};
-use super::stages::{kernel_scale, those_with_samples};
+use super::stages::{slope_scale, those_with_samples, value_scale};
 use crate::particles::Particles;
 use crate::passes::position_solve::{Diagonal, Displace, DisplaceByDifference, Inputs, Multiply, Relax, Rule, Task};
 use crate::samples::SortedSamples;
@@ -195,9 +195,9 @@ fn inputs<'a>(
     samples: &'a [&'a SortedSamples],
 ) -> Inputs<'a> {
     let parameters = &plan.parameters;
-    let slope = parameters.particle_mass * kernel_scale(parameters, 5);
-    let density = parameters.particle_mass / parameters.rest_density * kernel_scale(parameters, 3)
-        / parameters.density_calibration;
+    let slope = parameters.particle_mass * slope_scale(parameters);
+    let density =
+        parameters.particle_mass / parameters.rest_density * value_scale(parameters) / parameters.density_calibration;
     let calibrations = parameters.density_calibration * parameters.gradient_calibration;
     Inputs {
         arch,

@@ -4,7 +4,7 @@ use freshet_core::pressure_solver::DivergenceFree;
 use glam::Vec3;
 
 use super::answers::Answers;
-use super::stages::{kernel_scale, those_with_samples};
+use super::stages::{slope_scale, those_with_samples};
 use super::{CpuSolver, Iteration};
 use crate::passes::projection::{self, UNIT, Values};
 use crate::simd_kernel::dispatch;
@@ -195,7 +195,7 @@ impl CpuSolver {
     fn iterate(&mut self, solve: &mut PressureSolve, dt: f32, standing: bool, first: bool) -> f32 {
         let parameters = &self.plan.parameters;
         let samples = [&self.walls, &self.body_samples.sorted];
-        let gradient = parameters.particle_mass * kernel_scale(parameters, 5);
+        let gradient = parameters.particle_mass * slope_scale(parameters);
         let inputs = projection::Inputs {
             arch: self.arch,
             grid: &self.plan.grid,

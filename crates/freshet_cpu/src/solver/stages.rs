@@ -21,10 +21,10 @@ use crate::passes::morris1997::Viscosity;
 use crate::passes::sort::Dropped;
 use crate::passes::{
     acceleration, body_density, body_drag, body_friction, body_load, body_touch, continuity, density, friction,
-    integrate, support, wall_collision, wall_density, wall_force, xsph,
+    integrate, support, viscosity, wall_collision, wall_density, wall_force, xsph,
 };
 use crate::samples::SortedSamples;
-use crate::simd_kernel::dispatch;
+use crate::simd_kernel::{dispatch, dispatch_viscous};
 use crate::tasks::Tasks;
 use crate::workspace::Workspace;
 
@@ -59,7 +59,7 @@ impl CpuSolver {
     /// Widths of supports.
     pub(super) fn support_stage(&mut self) {
         let parameters = &self.plan.parameters;
-        let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
+        let scale = value_scale(parameters) / parameters.density_calibration;
         let samples = [&self.walls, &self.body_samples.sorted];
         let inputs = support::Inputs {
             arch: self.arch,
@@ -91,7 +91,7 @@ impl CpuSolver {
     /// Densities after the substep before.
     fn carried_densities(&mut self) -> Compression {
         let parameters = &self.plan.parameters;
-        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let scale = slope_scale(parameters) / parameters.gradient_calibration;
         let samples = [&self.walls, &self.body_samples.sorted];
         let inputs = continuity::Inputs {
             arch: self.arch,
@@ -118,7 +118,7 @@ impl CpuSolver {
 
     fn summed_densities(&mut self) -> Compression {
         let parameters = &self.plan.parameters;
-        let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
+        let scale = value_scale(parameters) / parameters.density_calibration;
         let (second, seconds) = match parameters.pressure_solver {
             PressureSolver::WeaklyCompressible
             | PressureSolver::PositionBased(_)
@@ -127,7 +127,7 @@ impl CpuSolver {
                 (Second::PressureTerm(parameters.pressure_law), &mut self.pressure_term)
             }
             PressureSolver::DivergenceFree(_) => {
-                let gradient = parameters.particle_mass * kernel_scale(parameters, 5);
+                let gradient = parameters.particle_mass * slope_scale(parameters);
                 let calibrations = parameters.density_calibration * parameters.gradient_calibration;
                 let factor = gradient * gradient / (calibrations * parameters.rest_density);
                 let number_density = parameters.rest_density / parameters.particle_mass;
@@ -171,7 +171,7 @@ impl CpuSolver {
     /// Accelerations by `terms`, `p / rho^2`, and, if asked for, by all else.
     pub(super) fn accelerate(&mut self, terms: &[f32], acceleration: &mut [Vec<f32>; 3], all: bool) -> Maxima {
         let parameters = &self.plan.parameters;
-        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let scale = slope_scale(parameters) / parameters.gradient_calibration;
         let samples = [&self.walls, &self.body_samples.sorted];
         let h = parameters.smoothing_length;
         let or_none = |factor: f32| if all { factor } else { 0.0 };
@@ -190,26 +190,39 @@ impl CpuSolver {
             sample_factor: -parameters.rest_density * scale,
             viscosity: or_none(2.0 * parameters.artificial_viscosity * parameters.sound_speed * h),
             physical: (all && parameters.dynamic_viscosity > 0.0).then(|| Viscosity {
-                of_pairs: 2.0 * parameters.dynamic_viscosity * parameters.gradient_calibration
-                    / parameters.viscous_calibration,
+                of_pairs: parameters.pair_viscosity(),
                 of_walls,
                 depth,
                 nearest: 0.25 * parameters.spacing,
             }),
             near_pressure: or_none(
                 2.0 * parameters.near_pressure / parameters.rest_density
-                    * (near_pressure::NORMALISATION / parameters.kernel.normalisation()) as f32,
+                    * (near_pressure::NORMALISATION / parameters.pressure_kernel.normalisation()) as f32,
             ),
             tensile: self.tensile.filter(|_| all),
             softening: 0.01 * h * h,
             gravity: if all { self.gravity } else { Vec3::ZERO },
+            adds: false,
             maxima: all,
             ahead: if self.plan.has(StageKind::DivergenceSolve) { self.last_substep } else { 0.0 },
         };
+        let viscous = (all && parameters.has_own_viscosity_kernel()).then_some(inputs);
+        let inputs = match viscous {
+            Some(_) => acceleration::Inputs { physical: None, adds: true, ..inputs },
+            None => inputs,
+        };
         let results = acceleration.each_mut().map(Vec::as_mut_slice);
         let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
-        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, acceleration)| {
-            dispatch(parameters.kernel, acceleration::Task { inputs, chunk, workspace, candidates, acceleration })
+        self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, mut acceleration)| {
+            if let Some(inputs) = viscous {
+                let acceleration: [&mut [f32]; 3] = acceleration.each_mut().map(|axis| &mut **axis);
+                let task = viscosity::Task { inputs, chunk, workspace, candidates, acceleration };
+                dispatch_viscous(parameters.viscosity_kernel, task);
+            }
+            dispatch(
+                parameters.pressure_kernel,
+                acceleration::Task { inputs, chunk, workspace, candidates, acceleration },
+            )
         })
     }
 
@@ -271,7 +284,7 @@ impl CpuSolver {
         terms.clear();
         terms.resize(count + PADDING, 0.0);
         let parameters = &self.plan.parameters;
-        let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
+        let scale = value_scale(parameters) / parameters.density_calibration;
         let inputs = body_density::Inputs {
             arch: self.arch,
             grid: &self.plan.grid,
@@ -294,7 +307,7 @@ impl CpuSolver {
     /// What sticks to bodies: adds to the accelerations, and keeps what bodies get for it.
     pub(super) fn body_drag_stage(&mut self) {
         let parameters = &self.plan.parameters;
-        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let scale = slope_scale(parameters) / parameters.gradient_calibration;
         let inputs = body_drag::Inputs {
             arch: self.arch,
             around: Around {
@@ -306,7 +319,7 @@ impl CpuSolver {
             },
             density: &self.density,
             bodies: &self.bodies,
-            factor: -parameters.dynamic_viscosity * parameters.rest_density * scale,
+            factor: -parameters.sticking_to_bodies() * parameters.rest_density * scale,
             particle_mass: parameters.particle_mass,
             depth: parameters.boundary_depth,
             nearest: 0.25 * parameters.spacing,
@@ -317,7 +330,7 @@ impl CpuSolver {
         let tasks = Tasks::new(&self.sorter.chunks, (&mut *self.candidates, &mut *self.drags), results);
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (candidates, drags), acceleration)| {
             let task = body_drag::Task { inputs, chunk, workspace, candidates, acceleration, drags };
-            dispatch(parameters.kernel, task)
+            dispatch_viscous(parameters.viscosity_kernel, task)
         })
     }
 
@@ -341,7 +354,7 @@ impl CpuSolver {
         share_slots(&mut self.slots, count);
         let parameters = &self.plan.parameters;
         let samples = &self.body_samples.sorted;
-        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let scale = slope_scale(parameters) / parameters.gradient_calibration;
         let factor = parameters.particle_mass * parameters.rest_density * scale;
         self.sorted_forces.resize(count, Vec3::ZERO);
         self.forces.resize(count, Vec3::ZERO);
@@ -351,7 +364,7 @@ impl CpuSolver {
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (slots, (), forces)| {
             let slots = slots.clone();
             dispatch(
-                parameters.kernel,
+                parameters.pressure_kernel,
                 body_load::Task {
                     arch,
                     grid,
@@ -396,8 +409,7 @@ impl CpuSolver {
             kernel,
             factor: -f64::from(parameters.particle_mass / parameters.gradient_calibration),
             viscosity: 2.0 * parameters.artificial_viscosity * parameters.sound_speed * parameters.smoothing_length,
-            physical: 2.0 * parameters.dynamic_viscosity * parameters.gradient_calibration
-                / parameters.viscous_calibration,
+            physical: parameters.pair_viscosity(),
             softening: 0.01 * parameters.smoothing_length * parameters.smoothing_length,
         });
         let inputs = wall_force::Inputs { near, particles: &self.particles, images };
@@ -433,7 +445,7 @@ impl CpuSolver {
             });
             return;
         }
-        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let scale = slope_scale(parameters) / parameters.gradient_calibration;
         let inputs = friction::Inputs {
             arch: self.arch,
             grid: &self.plan.grid,
@@ -452,14 +464,14 @@ impl CpuSolver {
         let results = self.acceleration.each_mut().map(Vec::as_mut_slice);
         let tasks = Tasks::new(&self.sorter.chunks, &mut *self.candidates, results);
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, candidates, acceleration)| {
-            dispatch(parameters.kernel, friction::Task { inputs, chunk, workspace, candidates, acceleration })
+            dispatch(parameters.pressure_kernel, friction::Task { inputs, chunk, workspace, candidates, acceleration })
         })
     }
 
     /// Takes what the friction of bodies takes in `dt` seconds, and keeps what bodies get for it.
     pub(super) fn body_friction_stage(&mut self, dt: f32) {
         let parameters = &self.plan.parameters;
-        let scale = kernel_scale(parameters, 5) / parameters.gradient_calibration;
+        let scale = slope_scale(parameters) / parameters.gradient_calibration;
         let inputs = body_friction::Inputs {
             arch: self.arch,
             around: Around {
@@ -486,7 +498,7 @@ impl CpuSolver {
         let tasks = Tasks::new(&self.sorter.chunks, (&mut *self.candidates, &mut *self.drags), results);
         self.workers.share_with(&mut self.workspaces, tasks, |workspace, (chunk, (candidates, drags), acceleration)| {
             let task = body_friction::Task { inputs, chunk, workspace, candidates, acceleration, drags };
-            dispatch(parameters.kernel, task)
+            dispatch(parameters.pressure_kernel, task)
         })
     }
 
@@ -498,7 +510,7 @@ impl CpuSolver {
             other => integrate::accelerate_by(other, &self.workers, chunks, particles, acceleration, dt),
         }
         let parameters = &self.plan.parameters;
-        let scale = kernel_scale(parameters, 3) / parameters.density_calibration;
+        let scale = value_scale(parameters) / parameters.density_calibration;
         let inputs = xsph::Inputs {
             arch: self.arch,
             grid: &self.plan.grid,
@@ -582,7 +594,12 @@ pub(super) fn those_with_samples<'a, 'b>(all: &'b [&'a SortedSamples; 2]) -> &'b
     &all[usize::from(walls.is_empty())..2 - usize::from(bodies.is_empty())]
 }
 
-/// `A / H^power`, the constant of a kernel's value (3) or of its derivative over r (5).
-pub(super) fn kernel_scale(parameters: &Parameters, power: i32) -> f32 {
-    (parameters.kernel.normalisation() / f64::from(parameters.support_radius).powi(power)) as f32
+/// `A / H^3`, the constant of the kernel's value.
+pub(super) fn value_scale(parameters: &Parameters) -> f32 {
+    (parameters.kernel.normalisation() / f64::from(parameters.support_radius).powi(3)) as f32
+}
+
+/// `A / H^5`, the constant of the derivative over r of the pressure's kernel.
+pub(super) fn slope_scale(parameters: &Parameters) -> f32 {
+    (parameters.pressure_kernel.normalisation() / f64::from(parameters.support_radius).powi(5)) as f32
 }

@@ -166,6 +166,33 @@ fn every_kernel_gives_the_forces_of_the_reference() {
     }
 }
 
+/// As Mueller et al. 2003 have them, and others.
+#[test]
+fn kernels_of_terms_give_the_forces_of_the_reference() {
+    use KernelKind::{Poly6, QuinticSpline, Spiky, Viscosity, WendlandC2};
+    for (kernel, pressure, viscosity, alpha) in [
+        (Poly6, Some(Spiky), Some(Viscosity), 0.0),
+        (WendlandC2, None, Some(Viscosity), 0.03),
+        (QuinticSpline, Some(WendlandC2), Some(QuinticSpline), 0.03),
+    ] {
+        for mut scene in [dam_break(0.05), channel()] {
+            scene.settings.kernel = kernel;
+            scene.settings.pressure_kernel = pressure;
+            scene.settings.viscosity_kernel = viscosity.filter(|_| scene.settings.viscosity_model.is_some());
+            scene.settings.artificial_viscosity = alpha;
+            scene.settings.near_pressure = 0.2 * alpha;
+            scene.settings.tensile_correction = alpha;
+            check(&scene);
+        }
+    }
+    let mut scene = channel();
+    scene.settings.viscosity_kernel = Some(Viscosity);
+    let patch = ("return -3.0 * max(1.0 - q, 0.0);", "return -3.01 * max(1.0 - q, 0.0);");
+    let mut solver = solver_with(&scene, GpuOptions { patch: Some(patch), ..Default::default() });
+    let found = errors(&mut solver)[2];
+    assert!(found > TOLERANCES[2], "{patch:?} makes an error of {found:e} only");
+}
+
 #[test]
 fn every_equation_of_state_gives_the_forces_of_the_reference() {
     for (equation, clamp_negative_pressure) in [

@@ -29,6 +29,7 @@ pub fn walls(plan: &Plan) -> Samples {
 pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &Samples) -> Vec<Expected> {
     let p = &plan.parameters;
     let kernel: Kernel = p.kernel().unwrap();
+    let of_pressure = p.pressure_kernel().unwrap();
     let (mass, rest) = (f64::from(p.particle_mass), f64::from(p.rest_density));
     let period = plan.grid.periodic.lengths().as_dvec3();
     let difference = |a: Vec3, b: Vec3| {
@@ -67,6 +68,18 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
         -alpha * sound * mu / mean_density
     };
     let viscosity = f64::from(p.dynamic_viscosity);
+    let of_viscosity = |r: f64| match p.viscosity_kernel {
+        // Half of Mueller's Laplacian (2003, eq. 22).
+        KernelKind::Viscosity => {
+            let radius = f64::from(p.support_radius);
+            -22.5 / (std::f64::consts::PI * radius.powi(6)) * (radius - r).max(0.0)
+        }
+        _ => p.viscosity_kernel().unwrap().derivative_over_r(r),
+    };
+    let of_walls = match p.has_own_viscosity_kernel() {
+        true => f64::from(p.viscous_calibration / p.viscous_share),
+        false => calibration,
+    };
     // Morris, Fox & Zhu 1997, eq. 22.
     let morris = |x: DVec3, v: DVec3, densities: f64, slope: f64| {
         let regular = x.length_squared() / (x.length_squared() + 0.01 * h * h);
@@ -88,7 +101,10 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                 let v = velocities[a].as_dvec3() - velocities[b].as_dvec3();
                 let (other_density, other_pressure) = states[b];
                 let viscous = pi(x, v, 0.5 * (density + other_density));
-                let slope = of_pair(a, b).derivative_over_r(x.length());
+                let slope = match p.pressure_kernel == p.kernel {
+                    true => of_pair(a, b).derivative_over_r(x.length()),
+                    false => of_pressure.derivative_over_r(x.length()),
+                };
                 let push = match p.pressure_force {
                     PressureForce::Monaghan => term + other_pressure / (other_density * other_density),
                     PressureForce::Mueller => (pressure + other_pressure) / (density * other_density),
@@ -98,7 +114,7 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                 let tension = -f64::from(p.tensile_correction) * (own_term.min(0.0) + other_term.min(0.0));
                 let both = own_term > 0.0 && other_term > 0.0;
                 let repels = if both { 0.01 * (own_term + other_term) } else { tension };
-                let ratio = kernel.value(x.length()) / kernel.value(f64::from(p.spacing));
+                let ratio = of_pressure.value(x.length()) / of_pressure.value(f64::from(p.spacing));
                 let repels = if p.tensile_correction > 0.0 { repels * ratio.powi(4) } else { 0.0 };
                 add(mass * (push + viscous + repels), x, slope);
                 // Clavet et al. 2005 and Pirovano 2011: W = 105/(4 pi H^7) (H - r)^4.
@@ -109,6 +125,7 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                 repelled += part;
                 friction += part.length();
                 if viscosity > 0.0 {
+                    let slope = if p.has_own_viscosity_kernel() { of_viscosity(r) } else { slope };
                     let part = mass * morris(x, v, density * other_density, slope) / f64::from(p.viscous_calibration);
                     resisted += part;
                     friction += part.length();
@@ -120,9 +137,9 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
                 let x = difference(positions[a], b);
                 let dragged = viscous && viscosity == 0.0;
                 let drag = if dragged { pi(x, velocities[a].as_dvec3(), density) } else { 0.0 };
-                add(rest * f64::from(volume) * (term + drag), x, kernel.derivative_over_r(x.length()));
+                add(rest * f64::from(volume) * (term + drag), x, of_pressure.derivative_over_r(x.length()));
                 if viscous {
-                    let weight = -f64::from(volume) * kernel.derivative_over_r(x.length());
+                    let weight = -f64::from(volume) * of_viscosity(x.length());
                     strength += weight;
                     slope += weight * x;
                     moved += weight * plan.boundary.velocities.get(k).map_or(DVec3::ZERO, |v| v.as_dvec3());
@@ -131,7 +148,7 @@ pub fn expected(plan: &Plan, positions: &[Vec3], velocities: &[Vec3], samples: &
             if viscosity > 0.0 && strength > 0.0 {
                 let depth = f64::from(p.boundary_depth);
                 let from_face = (slope.length() / strength - depth).max(0.25 * f64::from(p.spacing));
-                let rate = viscosity * rest / (density * density * calibration) * slope.length() / from_face;
+                let rate = viscosity * rest / (density * density * of_walls) * slope.length() / from_face;
                 let part = rate * (moved / strength - velocities[a].as_dvec3());
                 resisted += part;
                 friction += part.length();
