@@ -232,6 +232,39 @@ fn stages_with_supports_of_different_widths_agree_and_a_wrong_width_is_found() {
     }
 }
 
+/// Thin honey with the kernels of Mueller et al. 2003, at walls it sticks to and around bodies: each term has to take its own.
+#[test]
+fn stages_with_kernels_of_terms_agree_and_a_wrong_one_is_found() {
+    let states = states(&Plan::new(&scene()).unwrap());
+    let mut scene = scene();
+    scene.material.dynamic_viscosity = 5.0;
+    let settings = &mut scene.settings;
+    settings.viscosity_model = Some(ViscosityModel::Morris1997);
+    settings.kernel = KernelKind::Poly6;
+    settings.pressure_kernel = Some(KernelKind::Spiky);
+    settings.viscosity_kernel = Some(KernelKind::Viscosity);
+    settings.max_substeps = 1;
+    let samples = scene.wall_layer().unwrap().sphere_surface(RADIUS).unwrap();
+    for body in &mut scene.bodies {
+        body.samples = samples.clone();
+    }
+    let plan = Plan::new(&scene).unwrap();
+    let (mut cpu, mut right) = (cpu(&plan), gpu(&plan, None));
+    for (name, state) in &states {
+        compare(&plan, state, &mut cpu, &mut right).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+    for (from, to) in [
+        ("return -3.0 * max(1.0 - q, 0.0);", "return -3.02 * max(1.0 - q, 0.0);"),
+        ("(exchange * viscosity_kernels::slope_over_q(q))", "(exchange * slope)"),
+        ("select(-3.0 * p * p / q, 0.0, q == 0.0)", "select(-3.02 * p * p / q, 0.0, q == 0.0)"),
+        ("sample.weight * viscosity_kernels::slope_over_q(", "sample.weight * pressure_kernels::slope_over_q("),
+    ] {
+        let mut wrong = gpu(&plan, Some((from, to)));
+        let found = states.iter().any(|(_, state)| compare(&plan, state, &mut cpu, &mut wrong).is_err());
+        assert!(found, "{from} -> {to} went unnoticed");
+    }
+}
+
 /// A dam break without bodies by one of the methods that go without: at 0, 0.2 and 0.6 s of its own.
 fn compare_without_bodies(change: impl Fn(&mut Settings)) {
     let mut scene = FluidScene { bodies: Vec::new(), ..scene() };

@@ -142,8 +142,7 @@ are of the resolutions in turn.
 ";
     text += "
 Walls of the family *walls* but for quasi-fluid and ghost particles do not hold fluid back along their faces: in the viscous channel, which lives by that, they are wholly wrong, whatever they do elsewhere.
-Of the methods of Pirovano 2011, Krog 2010 and Enneking 2018 there are not yet: a kernel of its own per term, and the
-springs, penalties, images and forces of this family for walls that move.
+Of the methods of Pirovano 2011, Krog 2010 and Enneking 2018 there are not yet: the springs, penalties, images and forces of this family for walls that move.
 ";
     for family in Family::ALL {
         let mut of_family = CONFIGURATIONS.iter().filter(|known| known.family == family).peekable();

@@ -67,11 +67,12 @@ pub struct Case {
 }
 
 /// All cases.
-pub const CASES: [&Case; 37] = [
+pub const CASES: [&Case; 38] = [
     &cases::free_flight::CASE,
     &cases::relaxing_cube::CASE,
     &cases::pool_drop::CASE,
     &cases::poiseuille::CASE,
+    &cases::poiseuille::KERNELS,
     &cases::couette::CASE,
     &cases::taylor_green::CASE,
     &cases::standing_wave::CASE,

@@ -2,30 +2,31 @@
 
 use freshet_core::field::Field;
 use freshet_core::plan::Plan;
+use freshet_core::scene::FluidScene;
 
 use super::super::{Job, Level, Trace};
 use crate::drive::Drive;
 use crate::error::LabError;
 use crate::progress::Progress;
-use crate::scenes::channel::{self, GAP, SPEED, kinematic_viscosity};
+use crate::scenes::channel::{GAP, SPEED, kinematic_viscosity};
 
 /// Times at which velocities are compared, `nu t / L^2`: those of Morris, Fox & Zhu 1997, and the steady flow.
 const TIMES: [f64; 6] = [0.0225, 0.045, 0.1125, 0.225, 0.45, 1.0];
 /// Longest tick, s.
 const TICK: f64 = 0.05;
 
-/// Simulates a channel; `exact` is the velocity over [`SPEED`] at `y / L` and `nu t / L^2`.
+/// Simulates a channel of so many spacings; `exact` is the velocity over [`SPEED`] at `y / L` and `nu t / L^2`.
 ///
 /// The error is the root mean square over particles and times of what the velocity along the channel is off, over the root mean
 /// square of the exact one. What moves across the channel counts as being off.
 pub fn simulate(
     job: &Job,
-    drive: channel::Drive,
+    scene: &FluidScene,
     resolution: u32,
     exact: fn(f64, f64) -> f64,
     progress: &mut Progress,
 ) -> Result<Level, LabError> {
-    let plan = Plan::new(&channel::scene(drive, resolution))?;
+    let plan = Plan::new(scene)?;
     let particles = plan.positions.len();
     let mut drive = Drive::open(job.backend, plan, job.threads.count(), Vec::new())?;
     let (mut off, mut whole, mut traces) = (0.0, 0.0, Vec::new());

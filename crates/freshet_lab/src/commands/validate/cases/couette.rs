@@ -3,7 +3,7 @@
 use super::super::{Case, Study};
 use super::channel;
 use crate::reference::couette::velocity;
-use crate::scenes::channel::Drive;
+use crate::scenes::channel::{Drive, scene};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -22,5 +22,7 @@ const STUDY: Study = Study {
     resolutions: [10, 20, 40],
     quick: &[8, 16],
     axes: ["y / L", "velocity / velocity of the plate"],
-    simulate: |job, resolution, progress| channel::simulate(job, Drive::Plate, resolution, velocity, progress),
+    simulate: |job, resolution, progress| {
+        channel::simulate(job, &scene(Drive::Plate, resolution), resolution, velocity, progress)
+    },
 };
