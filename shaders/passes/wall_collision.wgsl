@@ -26,7 +26,8 @@ fn wall_collision(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
         let normal = planes.faces[i].xyz;
         let depth = contact - planes.faces[i].w - dot(position - start, normal);
 #ifdef WALL_ONE_WAY
-        if (dot(velocity, fields::parameters.wall_way) <= 0.0) {
+        // A face that could only stop what moves against the way is not there.
+        if (dot(normal, fields::parameters.wall_way) > 1.0) {
             continue;
         }
 #endif

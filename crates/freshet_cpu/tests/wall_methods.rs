@@ -323,8 +323,47 @@ fn a_collision_takes_its_shares() {
         assert!((x.y - 0.5 * D - height).abs() < 1e-7, "{reflection:?}: {x}");
         assert!((x.x - 0.3 * dt).abs() < 1e-7, "{reflection:?}: {x}");
     }
-    // One way only.
-    let (x, v) = after(Penalty { one_way: Some(Vec3::Y), ..half });
-    assert!(v == velocity && (x.y - from.y + dt).abs() < 1e-7, "{x} {v}");
-    assert!(after(Penalty { one_way: Some(3.0 * Vec3::NEG_Y), ..half }).1.y > 0.49);
+    // One way only: a floor under what may sink is not there; it is for what may rise or go aside, however that moves.
+    for way in [Vec3::Y, Vec3::new(0.5, 0.5, 0.0)] {
+        let (x, v) = after(Penalty { one_way: Some(way), ..half });
+        assert!(v == velocity && (x.y - from.y + dt).abs() < 1e-7, "{x} {v}");
+    }
+    for way in [3.0 * Vec3::NEG_Y, Vec3::X, Vec3::NEG_X, Vec3::new(1.0, 0.5, 0.0)] {
+        assert!(after(Penalty { one_way: Some(way), ..half }).1.y > 0.49, "{way}");
+    }
+}
+
+/// Water thrown about in a closed box whose ceiling is not there for what rises leaves it there and nowhere else.
+#[test]
+fn what_rises_leaves_a_box_by_its_ceiling_alone() {
+    let size = Vec3::new(8.0, 6.0, 7.0) * D;
+    let outside = |one_way: Option<Vec3>, speed: f32| {
+        let mut scene = FluidScene {
+            volumes: vec![Volume::block(size / 2.0, size / 2.0)],
+            boundaries: vec![Boundary::closed_box(size, size / 2.0)],
+            ..FluidScene::with_spacing(D)
+        };
+        scene.settings.wall_method = WallMethod::Penalty(Penalty { one_way, ..Penalty::MIRRORED });
+        scene.settings.expected_speed = Some(speed);
+        let mut solver = solver(&Plan::new(&scene).unwrap());
+        let mut state = solver.snapshot().unwrap();
+        for velocity in &mut state.velocities {
+            *velocity = Vec3::new(0.6, 0.7, 0.4) * speed;
+        }
+        solver.restore(&state).unwrap();
+        let (mut above, mut aside) = (0, 0);
+        for tick in 0..40 {
+            solver.step(&StepInput { tick, duration: 0.005, ..StepInput::default() }).unwrap();
+            let positions = solver.read(Field::Position).unwrap().vectors().unwrap();
+            above = positions.iter().filter(|x| x.y > size.y).count();
+            let is_aside = |x: &&Vec3| x.y < size.y && (x.min_element() < 0.0 || x.x > size.x || x.z > size.z);
+            aside += positions.iter().filter(is_aside).count();
+        }
+        (above, aside)
+    };
+    for speed in [1.0, 4.0] {
+        assert_eq!(outside(None, speed), (0, 0), "{speed} m/s");
+        let (above, aside) = outside(Some(Vec3::NEG_Y), speed);
+        assert!(above > 30 && aside == 0, "{speed} m/s: {above} above, {aside} aside");
+    }
 }

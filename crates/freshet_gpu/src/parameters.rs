@@ -162,7 +162,7 @@ pub(crate) fn parameters(plan: &Plan) -> Parameters {
         wall_damping,
         wall_bounce: penalty.bounce,
         wall_slip: penalty.slip,
-        wall_way: penalty.one_way.unwrap_or_default(),
+        wall_way: penalty.way(),
         longest_sound: p.longest_sound,
         poisson_scale: (2.0 * mass * slope_scale / f64::from(p.density_calibration)) as f32,
         surface_density: PressurePoisson::SURFACE * p.rest_density,

@@ -42,7 +42,7 @@ pub enum FluidWallMethod {
         slip: f32,
         /// Where a particle is put, and how fast it leaves.
         reflection: FluidReflection,
-        /// If given, only particles that move along this vector, in the domain's frame, are stopped.
+        /// If given, faces whose normal is within 60 degrees of this vector, in the domain's frame, are not there.
         one_way: Option<Vec3>,
     },
 }

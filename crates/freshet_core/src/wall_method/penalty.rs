@@ -20,9 +20,8 @@ pub struct Penalty {
     pub slip: f32,
     /// Where it is put, and how fast it leaves.
     pub reflection: Reflection,
-    /// Direction control: if given, only particles that move along this vector are stopped, and the others pass. For water in a closed box whose ceiling
-    /// is not there for what rises: the direction of gravity. Any length but zero.
-    /// It is so at every face: what rises passes through upright walls, too, so that they have to be out of its reach.
+    /// Direction control: what moves along this vector is stopped, and faces that could only stop what moves against it are not there: those whose normal is within 60
+    /// degrees of it. For water in a closed box whose ceiling is not there for what rises: the direction of gravity. Upright walls and the floor hold as without. Any length but zero.
     pub one_way: Option<Vec3>,
 }
 
@@ -52,12 +51,11 @@ impl Penalty {
         if dt <= 0.0 {
             return;
         }
-        let start = *position;
+        let (start, way) = (*position, self.way());
         for plane in planes {
             let normal = plane.normal;
             let depth = contact - plane.distance - (*position - start).dot(normal);
-            let passes = self.one_way.is_some_and(|way| velocity.dot(way) <= 0.0);
-            if depth <= 0.0 || passes {
+            if depth <= 0.0 || way.dot(normal) > 1.0 {
                 continue;
             }
             let across = velocity.dot(normal);
@@ -74,6 +72,13 @@ impl Penalty {
             }
             *position += back * normal;
         }
+    }
+
+    /// The [direction](Self::one_way), so long that its product with the normal of a face that is not there is above one; zero without.
+    pub fn way(&self) -> Vec3 {
+        /// Cosine of 60 degrees.
+        const OPEN: f64 = 0.5;
+        self.one_way.map_or(Vec3::ZERO, |way| (way.as_dvec3().normalize() / OPEN).as_vec3())
     }
 
     pub(super) fn validate(&self) -> Result<(), InvalidInput> {
